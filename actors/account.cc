@@ -53,7 +53,7 @@ RunProgress Account::progress(const std::vector<Node>& nodes) {
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Node& node = nodes[n];
     ShareProgress now = n < said_.size() ? said_[n] : ShareProgress{};
-    if (node.lost) {  // what it has stored stays so; the rest is done again
+    if (node.lost) {  // what the node has stored stays; the rest is done again
       now.tiles_begun = now.tiles_stored;
       now.weight_begun = now.tiles_asleep = now.memory_bytes = 0;
     }

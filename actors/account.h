@@ -1,5 +1,5 @@
-// What a job has done so far, as its parts tell it: its progress while it runs, sums and durations at its end. Pure: it
-// is told the time.
+// What a job has done so far, as its shares tell it: its progress while it runs, sums and durations at its end. A plain
+// object without actors and clock: it is told the time. Not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -19,43 +19,46 @@ class Account {
 
   explicit Account(Time now) : started_(now) { before_.reserve(1); }
 
-  // The first stage begins; settled: nothing is left of it but its end. Then the next one.
+  // start(): the first stage begins; with `settled` only its end is left. begin_stage(): the next stage begins.
   void start(Time now, bool settled);
   void begin_stage(Time now);
-  // The steps of a stage, each as it begins. A step that begins again counts from its first beginning, but for the
-  // last.
+  // The steps of a stage, each told when it begins. When tiles begin again, the time of all_have_begun() stays the
+  // first one, and that of is_quiet() becomes the last one.
   void all_have_begun(Time now) {
     if (!begun_) begun_ = now;
   }
   void is_quiet(Time now) { quiet_ = now; }
-  void is_not_quiet() { quiet_.reset(); }  // after all
+  void is_not_quiet() { quiet_.reset(); }  // the job is disturbed after all was believed quiet
   RunStep step() const;
 
   void node_came() { ++nodes_; }
   void node_lost() { ++nodes_lost_; }
   void tiles_begin_again(std::uint64_t tiles) { tiles_again_ += tiles; }
 
-  // What one of `nodes` nodes says. True when the owner is to hear of it: of many nodes an eighth speak before all are
-  // added up, or their words would cost the square of their number.
+  // Takes what one of `nodes` nodes says. Returns true when the owner of the run is to be told. With many nodes an
+  // eighth of them speak before all are added up, because adding up after each message costs the square of their
+  // number.
   bool heard(NodeId node, ShareProgress said, std::size_t nodes);
   bool has_untold() const { return spoken_ > 0; }
   struct Node {
-    std::string name;  // none: it is not told of by itself
+    std::string name;  // empty: the node is not listed by itself
     std::uint32_t tiles = 0;
     bool lost = false, left = false;  // left: in order
   };
-  // For the owner. Spans and mail are told once. `nodes`: by number.
+  // Returns the progress for the owner, with each work span and mail count once. `nodes` is by number.
   RunProgress progress(const std::vector<Node>& nodes);
 
+  // Adds what a share says at its end.
   void ended(const ShareEnded& part);
-  // Without failure and memory. Once; takes no memory, of which there may be none.
+  // Returns the sums, without `failure` and `memory_bytes`. Called once. Allocates nothing, because memory may be
+  // short.
   RunEnded end(Time now, std::uint64_t waves);
 
  private:
-  std::vector<ShareProgress> said_;  // by node: the last, without spans and mail
+  std::vector<ShareProgress> said_;  // by node: the last message, without spans and mail
   std::vector<WorkSpan> untold_;
   std::vector<MailArc> untold_mail_;
-  std::size_t spoken_ = 0;  // times that a part has spoken since the owner was told
+  std::size_t spoken_ = 0;  // number of messages of shares since the owner was told
   std::uint32_t nodes_ = 0, nodes_lost_ = 0;
   std::uint64_t tiles_again_ = 0;
   ShareEnded sum_;

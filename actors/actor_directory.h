@@ -1,6 +1,6 @@
-// Where updates go: to a tile of this node at once, else to the part, which sends them in parcels. One per part, made
-// before its tiles; all of it but the routes is the same ever after. The test network, when there is one, gets
-// everything first.
+// Finds the receiver of an update: the tile's actor when the tile is on this node, and otherwise the share, which sends
+// updates in packets. Each share has one directory, made before its tiles. Only the routes change after that, and they
+// may be read from any thread. When there is a test network, all updates go through it first.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace tessera {
 // What only the harness sets.
 struct Hooks {
   std::function<void(const std::string&)> trace;  // hears of every step
-  NetworkHandle network;                          // delays and reorders updates; delivers them to parts
+  NetworkHandle network;                          // delays and reorders updates, and delivers them to shares
   std::optional<NodeId> home = {};                // of all actors of a node
 
   template <class Text>
@@ -30,21 +30,22 @@ struct Hooks {
   }
 };
 
-// Where whoever is asked for can be reached, in one epoch.
+// The actors for tiles and nodes in one epoch.
 struct Routes {
   std::shared_ptr<const RoutingTable> table;
-  std::shared_ptr<const IncarnationChanges> rebirths;  // up to this table, since the oldest that a tile here may go by
-  std::vector<std::pair<TileId, TileHandle>> tiles;    // ascending; those here
-  std::vector<ShareHandle> parts;                      // by node; null where there is none
+  // Changes up to this table, since the oldest table that a tile here may go by.
+  std::shared_ptr<const IncarnationChanges> rebirths;
+  std::vector<std::pair<TileId, TileHandle>> tiles;  // those on this node, ascending
+  std::vector<ShareHandle> parts;                    // shares, by node; null where there is none
 
-  // Null: it is not here.
+  // Returns null when the tile is not on this node.
   TileHandle tile(TileId id) const {
     const auto found =
         std::lower_bound(tiles.begin(), tiles.end(), id, [](const auto& entry, TileId t) { return entry.first < t; });
     return found != tiles.end() && found->first == id ? found->second : TileHandle();
   }
 
-  // Of a node of an earlier epoch, too, which this one may not number any more: null.
+  // Returns null when the node has no share, or is not numbered in this epoch, as a node of an earlier one may be.
   ShareHandle part_of(NodeId node) const { return node.value < parts.size() ? parts[node.value] : ShareHandle(); }
 };
 
@@ -53,7 +54,7 @@ class ActorDirectory {
   NodeId self;
   ShareOptions options;
   Hooks hooks;
-  ShareHandle part;  // whom the tiles report to
+  ShareHandle part;  // the share, to which the tiles report
   std::chrono::steady_clock::time_point opened = std::chrono::steady_clock::now();
 
   std::shared_ptr<const Routes> routes() const {
@@ -65,7 +66,8 @@ class ActorDirectory {
     routes_.swap(routes);
   }
 
-  // To whoever is at home there by the newest table: if that is not the incarnation that is meant, it drops the update.
+  // Sends an update to the tile's actor here by the newest routes, or else to the share. When the tile has another
+  // incarnation by then, the receiver drops the update.
   template <class Self>
   void post(Self* sender, Update update) const {
     const auto known = routes();

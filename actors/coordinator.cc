@@ -24,14 +24,14 @@ Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, 
   }
 }
 
-// All nodes are asked or none: what is opened must be told how it ends.
+// Asks all nodes, or none when an exception comes before: a share that is opened must be told how it ends.
 void Coordinator::initialize() {
   SteadyActor::initialize();
   for (Participant& p : parts_) p.open.say(p.node);
   for (const NodeHandle& node : asked_) find(node);
 }
 
-// Coordinator and parts know each other: one that has ended must not keep the others alive.
+// Coordinator and shares refer to each other. An actor that has ended must not keep the others alive.
 void Coordinator::on_exit() {
   if (!std::exchange(told_, true)) {
     abort_parts();
@@ -145,7 +145,7 @@ void Coordinator::opened(const ShareOpened& message) {
   node.memory_bytes = message.memory_bytes;
   node.name = message.name;
   p.part = caf::actor_cast<ShareHandle>(message.part);
-  if (course_.is(At::finishing)) node.standing = Standing::left;  // it is not needed any more
+  if (course_.is(At::finishing)) node.standing = Standing::left;  // the share is not needed any more
   if (node.gone() || course_.is(At::ending)) {
     p.abort.say(p.part);
     return finish_if_over();
@@ -159,7 +159,7 @@ void Coordinator::opened(const ShareOpened& message) {
 BeginShare Coordinator::beginning() const { return {part_handles(), table(), course_.is(At::collecting)}; }
 
 void Coordinator::take(const TileDone& done) {
-  if (done.stage != table().stage) return;  // by one that was lost in the stage before
+  if (done.stage != table().stage) return;  // from a node that was lost in the stage before
   if (placements_.store(done.tile.tile)) owner_.stored(done);
 }
 
@@ -178,7 +178,7 @@ void Coordinator::begin() {
   const caf::message message = for_parts(beginning());
   for (const Host& host : hosts()) tell(parts_[host.node.value], message);
   detector_.restart_busy(nodes());
-  std::vector<TileId> homeless;  // of nodes that were lost before anything began
+  std::vector<TileId> homeless;  // those of nodes that were lost before anything began
   for (const TileId t : placements_.order()) {
     if (!roster_.has(table().node_of(t))) homeless.push_back(t);
   }
@@ -200,7 +200,7 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
   }
 }
 
-// From here on no tile needs another one: what they know is on scratch.
+// From here on no tile needs another tile, because what tiles know of each other is on scratch.
 void Coordinator::collect_if_settled() {
   if (!course_.is(At::settling) || !roster_.all_reached(Reached::settled)) return;
   if (Status marked = options_.mark_settled(table().stage, true); !marked)
@@ -228,7 +228,8 @@ void Coordinator::step_down() noexcept {
 void Coordinator::fail(Failure failure) {
   if (options_.replaced && options_.replaced()) return step_down();
   if (course_.is(At::collecting) && failure.code == static_cast<std::uint8_t>(Errc::corrupt)) {
-    again_ = options_.mark_settled(table().stage, false).has_value();  // if not, this failure is still the one to tell
+    // If that cannot be written, this failure is still the one to tell.
+    again_ = options_.mark_settled(table().stage, false).has_value();
   }
   const bool interrupted = failure.code == static_cast<std::uint8_t>(Errc::interrupted);
   if (!interrupted || course_.is(At::ending)) return give_up(std::move(failure));
@@ -250,7 +251,8 @@ void Coordinator::abort_parts() noexcept {
 }
 
 void Coordinator::ended(ShareEnded& message) {
-  if (course_.is(At::finding)) {  // it had answered: its node may open another
+  // The share had answered. It has ended, and its node may open another one.
+  if (course_.is(At::finding)) {
     for (ShareFound& found : answers_) {
       if (found.part && found.self == message.node) found.part = nullptr;
     }
@@ -276,7 +278,7 @@ void Coordinator::ended(ShareEnded& message) {
 }
 
 void Coordinator::finish_if_over() noexcept {
-  // A part that is not opened yet will be, or its node is missed: only then is it known that nothing goes on there.
+  // A share that is not open yet will be, or its node will be missed. Only then is it known that no work goes on there.
   if (told_ || !course_.ends() || !roster_.all([](const Roster::Node& node) { return node.over(); })) return;
   told_ = true;
   RunEnded end = account_.end(std::chrono::steady_clock::now(), detector_.wave().value);

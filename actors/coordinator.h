@@ -1,32 +1,32 @@
-// The coordinator of one job: opens a part on every node, knows when all is quiet (two successive equal waves,
-// src/exchange/detector.h), places the tiles of lost nodes anew, and ends the job.
+// The coordinator of one job. It opens a share on every node, decides when all is quiet (two successive equal waves,
+// src/exchange/detector.h), places the tiles of lost nodes again, and ends the job.
 //
-// state      | message          | effect                                                      | next
-// finding    | ShareFound        | when all nodes have answered: a new table                   | where the parts are
-// opening    | ShareOpened       | when all have: BeginShare to all                             | exchanging;
-//            |                  |                                                             | collecting if settled
-// exchanging | ShareIdle         | begin a wave: Probe to every part                           | exchanging
-// exchanging | ShareTally        | when two waves agree: Settle to all                         | settling
-// settling   | ShareSettled      | when all have: mark the run settled, Collect to all         | collecting
-// collecting | TileDone         | pass it on to the owner                                     | collecting
-// collecting | ShareCollected    | when all have: the next stage begins, by a new table       | exchanging;
-//            |                  | after the last one Finish to all                            | finishing
-// any        | NodeJoined       | open a part there; when it is open, Release to all others   |
-// any        | NodeLeaves       | NodeLet, once nothing is to be done there (coordinator_leaving.cc)
-// any        | ShareReleased     | a new epoch: what is released begins where work is wanted   |
-// exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others          | exchanging
-// collecting | NodeLost         | a new epoch: what is not stored of its tiles is the others' | collecting
-// any        | NodeLost, the last one | waits for another; fails when none has come for the grace    | ending
-// finding, exchanging, collecting | a tile for which no node has the memory: the same (coordinator_room.cc)  |
-// any        | a part is gone without a word | as NodeLost                                    |
-// any        | ShareProgress     | progress to the owner                                       |
-// any        | Cancel           | Suspend to all parts                                        | ending
-// any        | ShareEnded        | with a failure of its node's scratch, and there are others: as NodeLost        |
-// exchanging | ShareEnded        | without one, of a node that leaves: a new epoch, its tiles go on elsewhere
-// any        | ShareEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
-//            |                  | ended                                                       |
-// collecting | ShareEnded        | with damage: the run is not settled any more, too           | ending
-// any        | an exception     | Abort to all parts                                          | ending
+// state      | message          | effect                                                       | next
+// finding    | ShareFound       | when all nodes have answered: a new table                    | the shares' state
+// opening    | ShareOpened      | when all have: BeginShare to all                             | exchanging;
+//            |                  |                                                              | collecting if settled
+// exchanging | ShareIdle        | may begin a wave: Probe to every share                       | exchanging
+// exchanging | ShareTally       | when two waves agree: Settle to all                          | settling
+// settling   | ShareSettled     | when all have: mark the run settled, Collect to all          | collecting
+// collecting | TileDone         | tell the owner of the run                                    | collecting
+// collecting | ShareCollected   | when all have: the next stage begins, with a new table;      | exchanging;
+//            |                  | after the last stage: Finish to all                          | finishing
+// any        | NodeJoined       | open a share there; when it is open, Release to all others   |
+// any        | NodeLeaves       | NodeLet, once there is nothing to do there (coordinator_leaving.cc)
+// any        | ShareReleased    | a new epoch: the released tiles begin where work is wanted   |
+// exchanging, settling | NodeLost | a new epoch: its tiles begin again on other nodes          | exchanging
+// collecting | NodeLost         | a new epoch: others build its tiles that are not stored      | collecting
+// any        | NodeLost, of the last node | wait for another node; fail when none comes within the grace | ending
+// finding, exchanging, collecting | no node has the memory for a tile | the same (coordinator_room.cc)
+// any        | a share is gone without a last message | as for NodeLost                        |
+// any        | ShareProgress    | tell the owner the progress                                  |
+// any        | Cancel           | Suspend to all shares                                        | ending
+// any        | ShareEnded with a failure of its node's scratch, while there are other nodes | as for NodeLost
+// exchanging | ShareEnded without a failure, of a node that leaves | a new epoch: its tiles go on elsewhere
+// any        | ShareEnded       | with a failure: Abort to the others; when all have ended,    | ending;
+//            |                  | the run has ended                                            | ended
+// collecting | ShareEnded with damage | also: the run does not count as settled any more       | ending
+// any        | an exception     | Abort to all shares                                          | ending
 #pragma once
 
 #include <algorithm>
@@ -53,26 +53,31 @@ namespace tessera {
 struct CoordinatorOptions {
   JobId job;
   ShareSpec spec;
-  std::vector<std::uint64_t> weights;  // by tile: how much work it is, in a unit of the job's own; 0: there is none
-  std::vector<TileId> order;           // of the tiles that there are: neighbours near each other
-  // Claimed: of all coordinators of a job the one with the highest is obeyed. Takes over what an earlier one has begun.
+  // By tile: how much work it is, in a unit of the job's own; 0: there is no such tile.
+  std::vector<std::uint64_t> weights;
+  std::vector<TileId> order;  // of the existing tiles: neighbours are near each other
+  // The coordinator's term, which it has claimed. Of all coordinators of a job the one with the highest term is obeyed.
+  // With `take_over` it takes over what an earlier coordinator has begun.
   Term term;
   bool take_over = false;
-  std::uint32_t stages = 1;  // that the job has
-  // Writes down that a stage is settled, or that it is not any more.
+  std::uint32_t stages = 1;  // number of stages of the job
+  // Writes down whether a stage is settled.
   std::function<Status(std::uint32_t stage, bool)> mark_settled;
-  // Whether another one has claimed a higher term: then this one has nothing to say any more, also if it fails.
+  // Returns whether another coordinator has claimed a higher term. This one then says nothing any more, also when it
+  // fails.
   std::function<bool()> replaced;
-  // Whether it is written down, and what is kept of the tiles that have come to its end: asked by one that takes over.
+  // Used when taking over: is_settled() returns what mark_settled() has written, stored() the receipts of the tiles
+  // that have come to the end of the stage.
   std::function<Result<bool>(std::uint32_t stage)> is_settled;
   std::function<Result<std::vector<TileReceipt>>(std::uint32_t stage)> stored;
-  // In which one the job begins when no node has a part of it: the last one that is settled.
+  // Returns the stage with which the job begins when no node has a share of it: the last one that is settled.
   std::function<Result<std::uint32_t>()> first_stage;
-  // How heavy a tile may be where so many threads and so much memory are; none: as heavy as it is.
+  // Returns the greatest weight of a tile that a node with so many threads and so much memory can work on. Empty: any
+  // weight.
   std::function<std::uint64_t(std::uint32_t threads, std::uint64_t memory_bytes)> weight_max;
-  // What a tile of this weight is, and needs, for people: "a tile of size 5, which needs about 3 MiB".
+  // Describes a tile of this weight and what it needs, for users: "a tile of size 5, which needs about 3 MiB".
   std::function<std::string(std::uint64_t weight)> tile_in_words;
-  // When set, called at the moment quiescence is believed: the harness checks there that it is true.
+  // When set, called at the moment when quiescence is believed. The harness checks there that it is true.
   std::function<void(const RoutingTable&)> on_quiet;
   std::optional<NodeId> home;  // see Hooks
 };
@@ -89,16 +94,16 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   using At = Course::At;
   using Standing = Roster::Standing;
   using Reached = Roster::Reached;
-  // How a node and its part are reached; how they stand, the roster says.
+  // The actors of a node and its share. The roster has their state.
   struct Participant {
     NodeHandle node;
-    ShareHandle part;  // null before it is opened, and when it has ended
+    ShareHandle part;  // null before the share is opened, and when it has ended
     Prepared<OpenShare> open;
     Prepared<Abort> abort;
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
-  // Whatever goes wrong in a step ends the job and not the coordinator, which waits for all parts.
+  // Runs one step. A failure in it ends the job and not the coordinator, which waits for all shares.
   template <class Step>
   void attempt(Step step) noexcept;
   void opened(const ShareOpened& message);
@@ -110,9 +115,9 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void take_over();
   void open_anew();
   void go_on();
-  BeginShare beginning() const;  // for parts that are open, and have not been told
+  BeginShare beginning() const;  // for shares that are open, and have not begun
   void take(const TileDone& done);
-  // `spec` as spec_bytes() has it: of many nodes it is made once.
+  // Makes the messages for a node. `spec` is what spec_bytes() returns: all nodes share one copy.
   void prepare(NodeId node, const SharedBytes& spec);
   SharedBytes spec_bytes() const;
   void join(const NodeHandle& node);
@@ -162,7 +167,8 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void abort_parts() noexcept;
   void lost_actor(const caf::down_msg& down);
   void finish_if_over() noexcept;
-  // One message for many, for a table is as long as there are tiles: who changes what he gets makes his own of it.
+  // Makes one message for many shares, because a table is as long as there are tiles. A receiver that changes the
+  // message gets a copy of its own.
   template <class Message>
   caf::message for_parts(Message message) const {
     static_assert(caf::response_type_unbox<caf::signatures_of_t<ShareHandle>, caf::detail::type_list<Message>>::valid);
@@ -182,21 +188,21 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   CoordinatorOptions options_;
   RunOwner& owner_;
   std::vector<Participant> parts_;  // by node
-  Roster roster_;                   // likewise
+  Roster roster_;                   // by node
   Placements placements_;
   Course course_;
   QuiescenceDetector detector_;
-  std::vector<NodeHandle> asked_;  // for their parts, and have not answered
+  std::vector<NodeHandle> asked_;  // nodes that were asked for their shares, and have not answered
   std::vector<ShareFound> answers_;
-  std::uint32_t numbers_lost_ = 0;  // below it are those of parts whose nodes were lost after they had answered
+  std::uint32_t numbers_lost_ = 0;  // numbers below it belong to shares whose nodes were lost after they had answered
   struct Leaving {
     NodeHandle node;
     UsherHandle registry;
   };
-  std::vector<Leaving> leaving_;  // nodes that are to leave, and are not let go yet
-  bool without_room_ = false;     // no node has the memory for one of them
+  std::vector<Leaving> leaving_;  // nodes that are to leave, and were not let go yet
+  bool without_room_ = false;     // no node has the memory for one of the tiles
   Failure missed_;                // why the job fails if no node comes
-  std::uint64_t waits_ = 0;       // for one, so far
+  std::uint64_t waits_ = 0;       // how often the job has waited for a node
   std::optional<Failure> failure_;
   Account account_{std::chrono::steady_clock::now()};
   std::optional<Epoch> counted_;

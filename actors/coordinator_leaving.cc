@@ -1,14 +1,14 @@
-// Nodes that are to leave in order: what they have goes on elsewhere, and none of it begins again.
+// Nodes that leave in order: other nodes go on with what they have, and none of it begins again.
 //
 // the job    | what must be done before the node may go
-// finding    | it is waited until it is known where the parts are; it is asked for its own, too, as it may have said
-//            | to the coordinator before this one that it leaves
-// opening    | nothing has begun: its tiles are others'
-// exchanging | HandOver to its part, which writes an image of each tile that has begun, and ends. A table of a new
-//            | epoch then has them elsewhere, as other incarnations, which begin from these images
-// settling   | it is waited
-// collecting | what it has it stores
-// finishing, ending | it is waited
+// finding    | wait until it is known where the shares are. The node is asked for its share, too, because it may have
+//            | told the coordinator before this one that it leaves
+// opening    | nothing, because no tile has begun: its tiles go to others
+// exchanging | HandOver to its share, which writes an image of each tile that has begun, and ends. A table of a new
+//            | epoch then places the tiles elsewhere, as other incarnations, which begin from these images
+// settling   | wait
+// collecting | the node stores what it has
+// finishing, ending | wait
 #include <algorithm>
 #include <utility>
 
@@ -27,7 +27,7 @@ bool Coordinator::leaves(const NodeHandle& node) const {
   return std::any_of(leaving_.begin(), leaving_.end(), [&](const Leaving& one) { return one.node == node; });
 }
 
-// After every step, for with each the job may have come to where they can go.
+// Called after every step, because each step may bring the job to where nodes can go.
 void Coordinator::let_go() {
   for (std::size_t i = 0; i < leaving_.size() && !told_;) {
     if (!may_go(leaving_[i].node)) {
@@ -58,7 +58,7 @@ bool Coordinator::may_go(const NodeHandle& node) {
   return false;
 }
 
-// It has begun nothing.
+// The node's share has begun nothing.
 void Coordinator::dismiss(NodeId node) {
   Participant& p = parts_[node.value];
   roster_[node].standing = Standing::left;
@@ -71,7 +71,7 @@ void Coordinator::dismiss(NodeId node) {
   if (course_.is(At::opening)) begin_if_opened();
 }
 
-// It has handed over, or has stored what it had.
+// The share has handed over its tiles, or has stored them.
 void Coordinator::left(const ShareEnded& message) {
   Roster::Node& node = roster_[message.node];
   node.standing = Standing::left;
@@ -86,7 +86,7 @@ void Coordinator::left(const ShareEnded& message) {
   place_orphans();
 }
 
-// `back`: another process of a node that has had a part in this job.
+// `back` tells of a new process of a node. Says so in the job's log when the node has had a share of the job.
 void Coordinator::note(const NodeBack& back) {
   const bool took_part = std::any_of(roster_.nodes().begin(), roster_.nodes().end(), [&](const Roster::Node& node) {
     return !node.name.empty() && node.name == back.name;

@@ -1,4 +1,4 @@
-// Nodes that a coordinator has lost: their tiles begin again on the others; when there is none, it waits for one.
+// Losses of nodes: their tiles begin again on other nodes. When no node is left, the coordinator waits for one.
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -20,7 +20,8 @@ void Coordinator::lose(const NodeHandle& node, Failure failure, const std::strin
   }
 }
 
-// Whether it has answered or not. If it has, its part may still speak, so nobody else gets its number.
+// A node is lost while shares are looked for, before or after it has answered. When it has answered, its share may
+// still send messages, so no other node gets its number.
 void Coordinator::lose_found(const NodeHandle& node) {
   const bool asked = std::erase(asked_, node) > 0;
   const auto answered = std::erase_if(answers_, [&](const ShareFound& found) {
@@ -28,7 +29,8 @@ void Coordinator::lose_found(const NodeHandle& node) {
     if (found.part) numbers_lost_ = std::max(numbers_lost_, found.self.value + 1);
     return true;
   });
-  if (asked || answered > 0) ++waits_;  // whoever is left may be one that cannot open its part: others are to come
+  // The nodes that are left may be unable to open their shares. Counting a wait makes the job wait for others then.
+  if (asked || answered > 0) ++waits_;
   if ((asked || answered > 0) && nobody())
     return wait_for_a_node(failure_of(error(Errc::internal, "the last node is lost")));
   if (asked_.empty() && (asked || without_room_)) {
@@ -49,7 +51,7 @@ void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
   missing(node, std::move(failure), why);
 }
 
-// It takes no part any more.
+// The node has no share any more.
 void Coordinator::missing(NodeId node, Failure failure, const std::string& why) {
   if (course_.ends()) return finish_if_over();
   if (!course_.is(At::opening)) orphan_tiles(node, why);
@@ -64,12 +66,12 @@ void Coordinator::orphan_tiles(NodeId node, const std::string& why) {
     owner_.said("node " + name + " is lost" + (why.empty() ? "" : ": it " + why) + "; " + std::to_string(tiles) +
                 " tiles begin again on others");
   }
-  // Of what it has said, or says still, nothing counts, also while no other node is there that takes the tiles.
+  // Nothing that the node has said, or still says, counts, even while there is no other node that takes the tiles.
   detector_.restart(nodes());
   if (tiles > 0) is_disturbed();
 }
 
-// Others do without it, if there are any. What nobody can open, and nobody was lost, is not waited for.
+// The job goes on without the node, if there are others. A job that no node can open, though none was lost, fails.
 void Coordinator::not_opened(const ShareOpened& message) {
   roster_[message.node].standing = Standing::refused;
   if (course_.ends()) return finish_if_over();
@@ -80,12 +82,12 @@ void Coordinator::not_opened(const ShareOpened& message) {
   if (course_.is(At::opening)) begin_if_opened();
 }
 
-// No part is there, and none is on its way.
+// No share is there, and none is being opened.
 bool Coordinator::nobody() const {
   return course_.is(At::finding) ? asked_.empty() && answers_.empty() : roster_.nobody();
 }
 
-// Its process may come again, and others may be on their way. `failure`: to be told when none comes.
+// The process of the lost node may come again, and others may be on their way. `failure` is told when none comes.
 void Coordinator::wait_for_a_node(Failure failure, const std::string& because) {
   const std::uint32_t patience_s = options_.spec.grace_s;
   if (patience_s == 0) return fail(std::move(failure));
@@ -108,15 +110,15 @@ void Coordinator::lost_actor(const caf::down_msg& down) {
     const bool node = p.node && down.source == p.node.address();
     const bool part = p.part && down.source == p.part.address();
     if ((!node && !part) || roster_[NodeId{n}].over()) continue;
-    if (node && roster_[NodeId{n}].there()) continue;  // its part lives on, or will be missed by itself
+    if (node && roster_[NodeId{n}].there()) continue;  // its share lives on, or will be missed by itself
     return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason), gone(down));
   }
 }
 
-// All at once, when it is known which there are. Until then nothing is believed quiet, or finished.
+// Places all homeless tiles at once, when all of them are known. Until then nothing is believed quiet, or finished.
 void Coordinator::place_orphans() {
   const std::vector<Host> there = hosts();
-  if (placements_.awaits() || there.empty()) return;  // a part that is being opened will take them
+  if (placements_.awaits() || there.empty()) return;  // a share that is being opened will take the tiles
   const Placements::Placed placed = placements_.place(there, lives());
   account_.tiles_begin_again(placed.again);
   if (placements_.homeless().empty()) {
@@ -129,7 +131,7 @@ void Coordinator::place_orphans() {
     detector_.restart(nodes());
     act(detector_.look());
   }
-  // Whoever is lost without tiles may have been the last that was waited for.
+  // A node that is lost without tiles may have been the last one that was waited for.
   collect_if_settled();
   finish_if_collected();
 }

@@ -1,4 +1,4 @@
-// Which nodes a coordinator has: it finds those of one before it, others come, and each has its tiles.
+// The nodes of a job: the coordinator finds the shares of an earlier coordinator, new nodes come, and each gets tiles.
 #include <algorithm>
 #include <utility>
 
@@ -22,7 +22,7 @@ void Coordinator::found(ShareFound& message) {
   if (asked_.empty()) take_over();
 }
 
-// The newest table that any part goes by is the last that counted: what came after it was heard by nobody.
+// The newest table by which any share goes is the last that counted. No share has heard of any later table.
 void Coordinator::take_over() {
   std::vector<NodeHandle> without;
   std::uint32_t numbers = numbers_lost_;
@@ -64,7 +64,7 @@ void Coordinator::take_over() {
   for (const NodeHandle& node : without) join(node);
 }
 
-// Nobody has anything of it: what is on scratch, or settled, each will find.
+// No node has a share of this job. Nodes will find what is on scratch, or settled.
 void Coordinator::open_anew() {
   course_.open();
   std::vector<Host> hosts;
@@ -87,10 +87,10 @@ void Coordinator::open_anew() {
 void Coordinator::go_on() {
   const auto settled = options_.is_settled(table().stage);
   if (!settled) return fail(failure_of(settled.error()));
-  // Asked after the marker was read: if that was written under a later term, the term had been claimed before. It says
-  // nothing of the parts found here, which would store what is not settled.
+  // Asked after the marker was read. If another coordinator has written the marker, it had claimed its term before
+  // that. Such a marker says nothing of the shares found here, which would store what is not settled.
   if (options_.replaced && options_.replaced()) return step_down();
-  // Else the one before it has done so, as in begin().
+  // Otherwise the coordinator before has done this, as in begin().
   if (!settled.value() && !roster_.any_has_begun()) {
     if (Status marked = options_.mark_settled(table().stage, false); !marked)
       return fail(failure_of(std::move(marked).error()));
@@ -98,7 +98,7 @@ void Coordinator::go_on() {
   account_.start(std::chrono::steady_clock::now(), settled.value());
   course_.begin(settled.value());
   if (settled.value()) {
-    const auto stored = options_.stored(table().stage);  // by nodes that cannot say so any more, too
+    const auto stored = options_.stored(table().stage);  // also by nodes that are gone and cannot say so
     if (!stored) return fail(failure_of(stored.error()));
     for (const TileReceipt& tile : stored.value()) take({table().stage, tile, 0});
   }
@@ -112,7 +112,7 @@ void Coordinator::go_on() {
     if (lost && !placements_.is_stored(t)) tiles.push_back(t);
   }
   placements_.release(tiles);
-  const std::vector<Host> there = hosts();  // none: all that are there are to leave
+  const std::vector<Host> there = hosts();  // empty: all nodes that are there are to leave
   change_table(there.empty() ? std::vector<Placement>() : placements_.place(there, lives()).changes);
   const caf::message message = for_parts(beginning());
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
@@ -149,7 +149,7 @@ NodeId Coordinator::add(const NodeHandle& node) {
   return roster_.add();
 }
 
-// Those that it began with are told of, too.
+// Nodes with which the job has begun are told of once more, and are known already.
 bool Coordinator::knows(const NodeHandle& node) const {
   return std::find(asked_.begin(), asked_.end(), node) != asked_.end() ||
          std::any_of(answers_.begin(), answers_.end(),
@@ -157,7 +157,7 @@ bool Coordinator::knows(const NodeHandle& node) const {
          std::any_of(parts_.begin(), parts_.end(), [&](const Participant& p) { return p.node == node; });
 }
 
-// A part that has come later. It has no tiles yet, and so nothing to settle.
+// A share that was opened while others work. It has no tiles yet, and so nothing to settle.
 void Coordinator::welcome(NodeId node) {
   send(parts_.at(node.value).part, beginning());
   detector_.restart(nodes());
@@ -177,8 +177,8 @@ void Coordinator::welcome(NodeId node) {
   place_orphans();
 }
 
-// A new epoch. Each part counts as busy until all its tiles go by the table, and then until what they tell again has
-// been heard.
+// Sends a table of a new epoch. Each share counts as busy until all its tiles go by the table and what they tell again
+// has been processed.
 void Coordinator::change_table(const std::vector<Placement>& changes) {
   ChangeTable message{placements_.change(changes), part_handles(), course_.is(At::collecting)};
   roster_.forget_reached();
@@ -187,7 +187,7 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
   tell_parts(std::move(message));
 }
 
-// Tiles begin again, or go on elsewhere.
+// Some tiles begin again, or go on elsewhere.
 void Coordinator::is_disturbed() {
   if (course_.disturb()) account_.is_not_quiet();
 }

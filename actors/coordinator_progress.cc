@@ -1,4 +1,4 @@
-// What the owner of a job is told of its way.
+// Tells the owner of the run how far the job is.
 #include <utility>
 #include <vector>
 

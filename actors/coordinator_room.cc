@@ -1,4 +1,4 @@
-// Tiles go where there is the memory for them; while no node has it, a job waits for one.
+// Memory for tiles: a tile goes to a node that has the memory for it. While no node has, the job waits for one.
 #include <algorithm>
 #include <utility>
 
@@ -13,7 +13,7 @@ Host Coordinator::host(NodeId node, std::uint32_t threads, std::uint64_t memory_
   return host;
 }
 
-// When nobody has a part yet.
+// Returns whether the job can begin: some node has room for each tile. Used when no node has a share yet.
 bool Coordinator::may_begin() {
   std::vector<Host> hosts;
   for (const ShareFound& found : answers_) hosts.push_back(host(NodeId{0}, found.threads, found.memory_bytes));
@@ -24,7 +24,7 @@ bool Coordinator::may_begin() {
   return without.empty();
 }
 
-// For any tile.
+// Returns whether the node has room for any of the tiles.
 bool Coordinator::has_room(NodeId node) const {
   const Host one = host(node, roster_[node].threads, roster_[node].memory_bytes);
   return std::any_of(placements_.order().begin(), placements_.order().end(),
@@ -42,7 +42,7 @@ void Coordinator::wait_for_room(const std::vector<TileId>& tiles) {
     name = whose;
     most = bytes;
   };
-  if (course_.is(At::finding)) {  // none has a part yet
+  if (course_.is(At::finding)) {  // no node has a share yet
     for (const ShareFound& found : answers_) look(found.name, found.memory_bytes);
   }
   for (const Roster::Node& node : roster_.nodes()) {

@@ -62,7 +62,7 @@ std::string in_words(caf::sec reason) {
 }  // namespace
 
 std::string in_words(const caf::error& reason) {
-  if (!reason) return "it has ended";  // has no category either
+  if (!reason) return "it has ended";  // such an error has no category either
   if (reason.category() == caf::atom("exit")) return in_words(static_cast<caf::exit_reason>(reason.code()));
   if (reason.category() == caf::atom("system")) return in_words(static_cast<caf::sec>(reason.code()));
   return "error " + std::to_string(reason.code());

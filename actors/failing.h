@@ -1,4 +1,4 @@
-// How an actor that ends says so.
+// Turns the end of an actor, and its reason, into a failure of the job.
 #pragma once
 
 #include <exception>
@@ -13,7 +13,8 @@
 
 namespace tessera {
 
-// What an exception means for the job. `who()`: "tile 7", ... Needs no memory when there is none.
+// Returns what an exception means for the job. `who()` names the worker, as in "tile 7". When no memory is
+// left for the text, returns the failure "out of memory".
 template <class Who>
 Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
   try {
@@ -34,13 +35,13 @@ Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
   }
 }
 
-// Of an actor that has said nothing else. Needs no memory.
+// The failure of an actor that ends and has said nothing else. Needs no memory.
 inline Failure ended_unexpectedly() noexcept { return failure_of(error(Errc::internal, "unexpected end")); }
 
-// A reason of CAF's, for people: none of its own words.
+// Returns a reason that CAF gives as words for users. CAF's own words are not in it.
 std::string in_words(const caf::error& reason);
 
-// Why an actor that was watched is gone without having said so.
+// The failure of the job when a watched actor has ended without a last message.
 Failure lost(const std::string& who, const caf::error& reason);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// How CAF reads and writes a message: its members, by the name x.
+// Declares how CAF reads and writes a message. The arguments after the type are its members, written as members of `x`.
 #pragma once
 
 #include <caf/all.hpp>
@@ -9,6 +9,6 @@
     return f(caf::meta::type_name(#Type) __VA_OPT__(, ) __VA_ARGS__);               \
   }
 
-// Declares a message that never leaves its process. CAF has no name for such a message and cannot read one, so no peer
-// can send it. Stands in the global namespace.
+// Declares a message that never leaves its process. CAF has no name for such a message and cannot read one, so no other
+// process can send it. REQUIRES: used in the global namespace.
 #define TESSERA_STAYS_HERE(Type) CAF_ALLOW_UNSAFE_MESSAGE_TYPE(Type)

@@ -23,7 +23,7 @@ NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared
 }
 
 NodeActor::behavior_type NodeActor::make_behavior() {
-  // Whoever did not get the answer watches its own peers.
+  // An answer could not be delivered. Its receiver watches the actors that it needs, so nothing is to be done here.
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
     options_.hooks.tell([&] { return "node: a message came back: " + in_words(reason); });
   });
@@ -36,8 +36,9 @@ NodeActor::behavior_type NodeActor::make_behavior() {
   };
 }
 
-// One job that cannot be opened is no reason to lose the others, but a coordinator that is not answered waits for ever.
-// The first always is; for the answer to a later one there is memory again when another job ends, at the latest.
+// A job that cannot be opened is no reason to lose the others, but a coordinator without an answer waits for ever. The
+// memory for the first answer is there from the start. For a later answer there is memory again when another job ends,
+// at the latest.
 void NodeActor::answer(const OpenShare& wanted) {
   const auto coordinator = caf::actor_cast<CoordinatorHandle>(wanted.coordinator);
   while (answer_.said()) prepare_answer();
@@ -51,7 +52,7 @@ void NodeActor::answer(const OpenShare& wanted) {
 void NodeActor::prepare_answer() noexcept {
   try {
     answer_ = {};
-  } catch (const std::bad_alloc&) {  // the old one is still said
+  } catch (const std::bad_alloc&) {  // the old message stays, and counts as said
   }
 }
 
@@ -83,7 +84,7 @@ Result<ShareOpened> NodeActor::open(const OpenShare& wanted) {
   }
   BOOST_OUTCOME_TRY(made, source_->open(spec, wanted.node));
   *options_.used += memory;
-  // Before the part lets go of the run: whoever has waited for that may begin the next job.
+  // Before the share's last reference is gone: the caller that has waited for that may begin the next job.
   const std::shared_ptr<const Share> part(made.release(), [used = options_.used, memory](const Share* last) {
     *used -= memory;
     delete last;
@@ -93,7 +94,7 @@ Result<ShareOpened> NodeActor::open(const OpenShare& wanted) {
   opened.threads = part->stages.at(part->table->stage).schedule.threads;
   opened.memory_bytes = memory;
   Opened& known = parts_[wanted.job];
-  // Last: nothing must go wrong once it is there.
+  // Last, because nothing may fail once the actor is there.
   const ShareHandle handle =
       spawn<ShareActor>(wanted.node, ShareOptions(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
                         wanted.term, options_.hooks, options_.progress_interval, options_.meter);
@@ -103,12 +104,12 @@ Result<ShareOpened> NodeActor::open(const OpenShare& wanted) {
   return opened;
 }
 
-// Whoever has a certificate of the cluster may be another than its coordinator.
+// Any process with a certificate of the cluster may send this, not only the coordinator.
 Status NodeActor::check_path(const std::string& path) const {
   return options_.data.empty() ? success() : check_inside(options_.data, path);
 }
 
-// Of a job that has one coordinator ever nothing is kept.
+// Terms are kept only for jobs that may have several coordinators.
 bool NodeActor::is_replaced(JobId job, Term term) {
   const auto known = terms_.find(job);
   if (known != terms_.end() && term < known->second) return true;
@@ -125,7 +126,8 @@ void NodeActor::leave() {
 }
 
 void NodeActor::find(const FindShare& wanted) {
-  if (is_replaced(wanted.job, wanted.term)) return answer_none(wanted);  // it will open anew, and hear why it cannot
+  // That coordinator will open the job anew, and hear why it cannot.
+  if (is_replaced(wanted.job, wanted.term)) return answer_none(wanted);
   const auto found = parts_.find(wanted.job);
   const auto part = found == parts_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.part);
   if (!part) return answer_none(wanted);
@@ -145,7 +147,8 @@ void NodeActor::answer_none(const FindShare& wanted) {
   send(caf::actor_cast<CoordinatorHandle>(wanted.coordinator), std::move(none));
 }
 
-// Whoever is told that it is done may send the next one at once: so the thread that was is waited for.
+// A router that is told that a split is done may send the next one at once. So the assignment below waits for the
+// thread of the split before.
 void NodeActor::route(const RouteSplit& wanted) {
   std::erase_if(routing_, [](auto& entry) { return entry.second.get_stop_token().stop_requested(); });
   const auto router = caf::actor_cast<RouterHandle>(wanted.router);
@@ -177,7 +180,7 @@ void NodeActor::route(const RouteSplit& wanted) {
       });
 }
 
-// If it has not answered whoever took over, there is nobody now who will.
+// If the share has not answered a coordinator that takes over, this actor must do so now.
 void NodeActor::gone(const caf::down_msg& down) {
   if (const auto routing = routing_.find(down.source); routing != routing_.end()) routing->second.request_stop();
   const auto found =

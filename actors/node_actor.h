@@ -1,12 +1,13 @@
-// A node: what one process offers to jobs. Opens a part for each, within the memory it has.
+// A node: what one process offers to jobs. It opens a share for each job, within the memory that it has.
 //
-// message      | effect                                                | answer to the coordinator, or router
-// OpenShare     | read what the part needs to know, start its actor     | ShareOpened, always
-// FindShare     | pass it on to the part of that job, if there is one   | ShareFound: by the part, or that there is none
-// RouteSplit | a thread routes it, which stops if the router is gone | SplitRouted
-// Leave        | its parts leave, too                                  | -
+// message    | effect                                                     | answer to the coordinator, or router
+// OpenShare  | read what the share needs to know, start its actor         | ShareOpened, always
+// FindShare  | pass it on to the share of that job, if there is one       | ShareFound: by the share, or by this actor,
+//            |                                                            | which says that there is none
+// RouteSplit | a thread routes the split, and stops if the router is gone | SplitRouted
+// Leave      | its shares leave, too                                      | -
 //
-// What a part may use is free again when the part's actor and its tiles have let go of it.
+// The memory of a share is free again when the share's actor and its tiles have let go of it.
 #pragma once
 
 #include <atomic>
@@ -30,12 +31,13 @@ namespace tessera {
 
 struct NodeOptions {
   std::string name = {};      // in its cluster
-  std::uint32_t threads = 1;  // for all jobs together, as is the memory
+  std::uint32_t threads = 1;  // threads and memory are for all jobs together
   std::uint64_t memory_bytes = 0;
-  std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
+  // Bytes of shares.
+  std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();
   std::shared_ptr<NodeMeter> meter = std::make_shared<NodeMeter>();
   std::chrono::milliseconds progress_interval{100};
-  std::filesystem::path data = {};  // in which all lies that a coordinator names; none: anywhere
+  std::filesystem::path data = {};  // folders that a coordinator names must lie in it; empty: anywhere
   Hooks hooks;
 };
 
@@ -62,12 +64,13 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   std::shared_ptr<ShareSource> source_;
   struct Opened {
     caf::actor_addr part;
-    std::optional<FindShare> wanted;  // the last that was passed on: it may not have arrived
+    std::optional<FindShare> wanted;  // the last request that was passed on: the share may not have got it
   };
   std::map<JobId, Opened> parts_;
-  std::map<JobId, Term> terms_;   // the highest heard of: what an earlier one wants is not done any more
+  std::map<JobId, Term> terms_;   // the highest known: requests of lower terms are refused
   Prepared<ShareOpened> answer_;  // the next one
-  std::map<caf::actor_addr, std::jthread> routing_;  // by router; has ended or ends soon where that is gone
+  // By router; a thread has ended, or ends soon, when its router is gone.
+  std::map<caf::actor_addr, std::jthread> routing_;
 };
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// What a node is doing and has done for all its jobs: told by its parts, read from any thread.
+// What a node is doing and has done for all its jobs. Its shares write it, and any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 namespace tessera {
 
 struct NodeWork {
-  std::uint64_t parts = 0, tiles_asleep = 0, tile_memory_bytes = 0, waiting_bytes = 0;  // now
-  std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0;                    // ever, as are the gates'
+  std::uint64_t parts = 0, tiles_asleep = 0, tile_memory_bytes = 0, waiting_bytes = 0;  // at present
+  std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0;  // since the start, as are `outboxes`
   OutboxCounts outboxes;
 };
 
 class NodeMeter {
  public:
-  // Of one part, in place of what was told of it before. `part` is any number of its own.
+  // Replaces what was told of one share. `part` is a number of the share's own.
   void tell(std::uint64_t part, const NodeWork& work) {
     const std::lock_guard lock(mutex_);
     parts_[part] = work;
   }
-  // Nothing is under way there any more.
+  // The share has ended: nothing is under way there any more.
   void end(std::uint64_t part) noexcept {
     const std::lock_guard lock(mutex_);
     const auto found = parts_.find(part);

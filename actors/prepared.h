@@ -1,4 +1,4 @@
-// A message made in advance: to say that there is no memory must not need any.
+// A message made in advance, so that an actor can say that memory has run out without needing memory.
 #pragma once
 
 #include <caf/all.hpp>
@@ -13,10 +13,10 @@ class Prepared {
       : element_(caf::make_mailbox_element(nullptr, caf::make_message_id(), caf::no_stages, Message{})),
         message_(&element_->content().template get_mutable_as<Message>(0)) {}
 
-  // What will be said. REQUIRES: it has not been said.
+  // The message that will be sent. REQUIRES: it was not sent.
   Message& message() { return *message_; }
   bool said() const { return !element_; }
-  // Only once; and nothing to nobody.
+  // Sends the message, the first time that it is called. Does nothing when `to` is null.
   template <class Handle>
   void say(const Handle& to) noexcept {
     using Words = caf::detail::type_list<Message>;

@@ -1,6 +1,6 @@
-// What actors say to each other. Nothing here refers to memory that another process would not get, and nothing holds a
-// double: CAF's codec for them is not exact (-0, denormals) and does not end on infinity; coordinates travel as raw
-// bytes, times as whole microseconds.
+// The messages between actors. None of them contains a pointer to memory that another process would not get. None
+// contains a double: CAF's codec for doubles is not exact (-0, denormals), and never ends for infinity. Coordinates
+// travel as raw bytes, times as whole microseconds.
 #pragma once
 
 #include <caf/all.hpp>
@@ -23,7 +23,7 @@
 
 namespace tessera {
 
-// An error on its way. ok: none.
+// An error on its way to another actor. Code 0: no error.
 struct Failure {
   std::uint8_t code = 0;  // an Errc
   std::string text;
@@ -32,19 +32,19 @@ struct Failure {
 inline Failure failure_of(Error e) { return {static_cast<std::uint8_t>(e.code), std::move(e.where)}; }
 inline Error error_of(Failure f) { return error(static_cast<Errc>(f.code), std::move(f.text)); }
 
-// part -> tile: do this now; answered by a TileReport.
+// share -> tile: do this work. Answered by a TileReport.
 struct Permit {
   Work work = Work::step;
 };
 
-// tile -> part: what waits for it, since more has come.
+// tile -> share: what waits for the tile, after more mail has come. `memory` in bytes; `hops` as in Schedule::Waiting.
 struct MailNotice {
   TileId tile;
   std::uint64_t updates = 0, bytes = 0, memory = 0;
   std::uint32_t hops = 0;
 };
 
-// A piece of work on a tile: when, in microseconds since the part was opened, and by which thread of its node.
+// One piece of work on a tile: its times, in microseconds since the share was opened, and the thread of the node.
 struct WorkSpan {
   TileId tile;
   Work work = Work::step;
@@ -52,74 +52,74 @@ struct WorkSpan {
   std::uint64_t begin_us = 0, end_us = 0;
 };
 
-// tile -> part: the work is done, or has failed.
+// tile -> share: the work is done, or has failed.
 struct TileReport {
   WorkSpan span;
   Failure failure;
-  bool kept = true;           // false: it was to be handed over, and could not be
-  std::uint64_t memory = 0;   // held, mail not counted
-  std::uint64_t storing = 0;  // bytes that are on their way to the store
+  bool kept = true;           // false: the tile was to be handed over, and its image could not be written
+  std::uint64_t memory = 0;   // bytes that the tile holds, without mail
+  std::uint64_t storing = 0;  // bytes on their way to the store
   MailNotice waiting;
-  std::uint64_t sent = 0, processed = 0;  // updates, per living peers
+  std::uint64_t sent = 0, processed = 0;  // updates, summed over living peers
   std::uint64_t updates = 0;              // ever sent
   std::uint32_t hops = 0;
   ExchangeCounts items;
 };
 
-// tile -> part, at any time: the tile has come to an end that nobody asked for.
+// tile -> share, at any time: the tile has ended without being told to.
 struct TileFailed {
   TileId tile;
   Failure failure;
 };
 
-// writer -> part, some time after a tile has been collected: what it leaves is kept, or could not be.
+// writer -> share, some time after a tile was collected: what it leaves is kept, or could not be.
 struct TileStored {
   TileId tile;
   Failure failure;
   Receipt receipt;
 };
 
-// tile -> part: for a tile that lives elsewhere.
+// tile -> share: an update for a tile on another node.
 struct Outgoing {
   Update update;
 };
-// part -> part of another node: updates for tiles that live there.
+// share -> share of another node: updates for tiles there.
 struct Packet {
   NodeId from;
-  std::uint64_t window_bytes = 0;  // of the sender's gate
+  std::uint64_t window_bytes = 0;  // of the sender's outbox
   std::vector<Update> updates;
 };
-// part -> tile. Of what another node has sent the part hears when it is in the tile's mail (Taken).
+// share -> tile: an update. For an update from another node the tile answers with Taken when it is in the mail.
 struct Delivery {
   NodeId from;
   Update update;
 };
 struct Taken {
   NodeId from;
-  std::uint64_t bytes = 0;  // as Gate counts them
+  std::uint64_t bytes = 0;  // as Outbox counts them
 };
-// part -> part of another node: so many bytes of what that has sent are in the mail of tiles, or dropped.
+// share -> share of another node: so many bytes of what that share has sent are in the mail of tiles, or were dropped.
 struct Credit {
   NodeId from;
   std::uint64_t bytes = 0;
 };
 
-// part -> tile: there is a new table (src/exchange/assignment.h); answered by a TileRejoined, at once.
+// share -> tile: there is a new table (src/exchange/routing_table.h). Answered by a TileRejoined, at once.
 struct Rejoin {};
-// tile -> part: it goes by this table.
+// tile -> share: the tile goes by this table.
 struct TileRejoined {
   TileId tile;
   Epoch epoch;
-  std::uint64_t sent = 0, processed = 0;  // updates, per living peers
+  std::uint64_t sent = 0, processed = 0;  // updates, summed over living peers
   MailNotice waiting;
 };
 
-// tile -> part: nothing of it is left on scratch, and nothing will be.
+// tile -> share: nothing of the tile is left on scratch, and nothing will be.
 struct TileLeft {
   TileId tile;
 };
 
-// What many messages say: on the wire in each, in a process once.
+// Bytes that many messages have in common. A process holds them once, but each message on the wire has them.
 class SharedBytes {
  public:
   SharedBytes(std::string bytes = {}) : bytes_(std::make_shared<const std::string>(std::move(bytes))) {}
@@ -129,67 +129,70 @@ class SharedBytes {
   std::shared_ptr<const std::string> bytes_;
 };
 
-// coordinator -> node: host these tiles. `spec`: a ShareSpec as bytes, which are as many as there are tiles.
+// coordinator -> node: open a share with these tiles. `spec` is a ShareSpec as bytes; its length grows with the number
+// of tiles.
 struct OpenShare {
   JobId job;
-  NodeId node;  // the number that the node has in this job
+  NodeId node;  // the node's number in this job
   SharedBytes spec;
   caf::actor coordinator;
   Term term;
 };
 
-// a coordinator that takes over -> node, which passes it on to its part of the job: obey me. Terms are claimed, each by
-// one coordinator; a part obeys that of the highest term it has heard of.
+// coordinator that takes over -> node, which passes it on to its share of the job: obey me. Each term is claimed by one
+// coordinator, and a share obeys the highest term that it has heard of.
 struct FindShare {
   JobId job;
   Term term;
-  caf::actor node;  // that is asked
+  caf::actor node;  // the node that is asked
   caf::actor coordinator;
   std::uint32_t shares = 1;  // as in ShareSpec
-  std::string name = {};     // of the node, by itself
+  std::string name = {};     // of the node, which sets it
 };
-// node, or its part -> that coordinator
+// node, or its share -> that coordinator
 struct ShareFound {
   Term term;
   caf::actor node;
-  caf::actor part;     // null: there is none; the rest, but what it would have, then says nothing
-  NodeId self;         // the number that the node has in this job
+  caf::actor part;     // null: there is no share; then only term, node, name, and what a share would get, are set
+  NodeId self;         // the node's number in this job
   bool begun = false;  // BeginShare has come
   RoutingTable table;
-  std::vector<TileId> released;  // by the table its own, and given up: nobody may have heard of it
+  // Its tiles by the table that it has given up; perhaps the coordinator before was not told.
+  std::vector<TileId> released;
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
   std::string name;
 };
 
-// coordinator -> part. Each epoch has one table.
+// coordinator -> share. Each epoch has one table.
 struct BeginShare {
   std::vector<caf::actor> parts;  // by node; null where there is none
   RoutingTable table;
-  bool settled = false;  // of all parts: collect at once
+  bool settled = false;  // all shares are settled: collect at once
 };
 struct ChangeTable {
   RoutingTable table;
   std::vector<caf::actor> parts;  // by node
-  bool settled = false;           // what is new is collected at once
+  bool settled = false;           // new tiles are collected at once
 };
 struct Probe {
   Wave wave;
 };
 struct Settle {};
 struct Collect {};
-struct Finish {};  // all tiles of all parts are stored
+struct Finish {};  // all tiles of all shares are stored
 struct Suspend {};
 struct Abort {
-  Term term;  // of the coordinator that says so
+  Term term;  // of the coordinator that sends it
 };
-// Give up tiles that nobody has begun, until they have so much weight: another node is waiting for work. Answered by a
-// ShareReleased.
+// Give up tiles that have not begun, until they weigh `weight` together, because another node waits for work. Answered
+// by a ShareReleased.
 struct Release {
   std::uint64_t weight = 0;
 };
 
-// Your node leaves: tiles that have begun are handed over, for others to go on with. Answered by a ShareEnded.
+// The share's node leaves: hand over the tiles that have begun, so that others go on with them. Answered by a
+// ShareEnded.
 struct HandOver {};
 
 // node -> coordinator
@@ -197,12 +200,12 @@ struct ShareOpened {
   NodeId node;
   Failure failure;
   caf::actor part;
-  bool settled = false;  // needs no exchange
+  bool settled = false;  // the share needs no exchange
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
   std::string name;  // of the node in its cluster
 };
-// part -> coordinator
+// share -> coordinator
 struct ShareBegun {  // all its tiles have begun
   NodeId node;
 };
@@ -226,36 +229,36 @@ struct ShareCollected {  // all its tiles are stored
 };
 struct ShareReleased {
   NodeId node;
-  std::vector<TileId> tiles;  // not its own any more
+  std::vector<TileId> tiles;  // they are not on the node any more
 };
 struct ShareProgress {
   NodeId node;
   std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0, tiles_asleep = 0;
   std::uint64_t updates_sent = 0, updates_processed = 0, items_sent = 0, memory_bytes = 0;
   OutboxCounts outboxes;
-  std::vector<WorkSpan> spans;  // since the last one
-  std::vector<MailArc> mail;    // likewise; the heaviest
+  std::vector<WorkSpan> spans;  // since the message before
+  std::vector<MailArc> mail;    // likewise; the largest ones
 };
-// part -> coordinator: what a tile leaves is kept.
+// share -> coordinator: what a tile leaves is kept.
 struct TileDone {
   std::uint32_t stage = 0;
   TileReceipt tile;
-  std::uint64_t microseconds = 0;  // worked on it
+  std::uint64_t microseconds = 0;  // time of work on the tile
 };
 struct ShareEnded {
   NodeId node;
   Failure failure;
-  bool of_node = false;  // the failure: its own scratch cannot be used, and others can go on
+  bool of_node = false;  // the failure is that of the node's own scratch, so that other nodes can go on
   ExchangeCounts items;
   std::uint64_t updates = 0, hops = 0, sleeps = 0, most_received = 0;
-  std::uint64_t begin_us = 0, exchange_us = 0, collect_us = 0;  // of work, summed over threads
-  OutboxCounts outboxes;                                        // of what was sent to other nodes
-  std::uint64_t handed = 0, not_handed = 0;                     // tiles that it had begun, when its node leaves
+  std::uint64_t begin_us = 0, exchange_us = 0, collect_us = 0;  // time of work, summed over threads
+  OutboxCounts outboxes;                                        // for what was sent to other nodes
+  std::uint64_t handed = 0, not_handed = 0;                     // tiles that had begun when the node was told to leave
 };
 
-// whoever runs the job -> coordinator
+// owner of the run -> coordinator
 struct Cancel {};
-// whoever keeps count of nodes -> coordinator: it is lost, and never comes back; it is there, and free.
+// registry -> coordinator: the node is lost, and never comes back; or it is there, and free for work.
 struct NodeLost {
   caf::actor node;
   std::string why = {};  // "has not been heard of for 10 s"
@@ -263,26 +266,27 @@ struct NodeLost {
 struct NodeJoined {
   caf::actor node;
 };
-// It is to leave, and takes no more work: say NodeLet to `registry` when nothing is to be done there any more.
+// The node is to leave, and gets no more work. Answer with NodeLet to `registry` when there is nothing to do there any
+// more.
 struct NodeLeaves {
   caf::actor node, registry;
 };
-// Its process is back, as another node: how the one before it ended.
+// The node's process is back, as another node. `last_words` says how the process before it ended.
 struct NodeBack {
   std::string name, last_words;
 };
-// whoever uses nodes -> whoever keeps count of them
+// coordinator or router -> registry: `follower` does not need the node any more.
 struct NodeLet {
   caf::actor node, follower;
 };
 
 // coordinator -> itself: the job has been without a node for its grace.
 struct NobodyCame {
-  std::uint64_t wait = 0;  // the how many-th of the job
+  std::uint64_t wait = 0;  // number of the wait, which tells it from earlier ones
 };
 
-// router -> node: route this stretch of the input (src/delaunay/run/routing.h), with one of so many shares of your
-// threads and memory. Done or not, it is given up when the router is gone.
+// router -> node: route this split of the input (src/tiling/split_router.h), with 1/`shares` of the node's threads and
+// memory. The node stops when the router is gone.
 struct RouteSplit {
   std::string run_folder;
   std::uint32_t split = 0, attempt = 0, shares = 1;
@@ -291,20 +295,19 @@ struct RouteSplit {
 // node -> router, now and then, and at the end
 struct SplitRouted {
   std::uint32_t attempt = 0;
-  std::uint64_t routed = 0;  // of what the stretch has, so far
+  std::uint64_t routed = 0;  // how much of the split is routed so far
   bool done = false;
   Failure failure;
 };
 
-// part -> itself: nobody has taken over.
+// share -> itself: no coordinator has taken over within the grace.
 struct GraceOver {
   Term term;
 };
 
-// part -> tile, node -> part, whoever has started a node -> node: come to an end. What waits for you is not wanted any
-// more.
+// share -> tile, node -> share, the process -> its node: end. What still waits for the receiver is not wanted any more.
 struct Leave {
-  // To a tile that is fresh, and begins on another node: remove what waits on scratch, too, and answer with a TileLeft.
+  // For a fresh tile that begins on another node: remove what waits on scratch, too, and answer with a TileLeft.
   bool given_up = false;
 };
 
@@ -317,14 +320,14 @@ using ShareHandle = caf::typed_actor<
     caf::reacts_to<Packet>, caf::reacts_to<Outgoing>, caf::reacts_to<Taken>, caf::reacts_to<Credit>,
     caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>,
     caf::reacts_to<TileLeft>, caf::reacts_to<GraceOver>, caf::reacts_to<Leave>>;
-// What stands between tiles in the harness: a parcel, and the part that it is for.
+// The network between tiles in the harness. It takes a packet and the share that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Packet>, caf::reacts_to<caf::tick_atom>>;
 using NodeHandle = caf::typed_actor<caf::reacts_to<OpenShare>, caf::reacts_to<FindShare>, caf::reacts_to<RouteSplit>,
                                     caf::reacts_to<Leave>>;
-// Whoever hears of nodes that come and go.
+// An actor that is told of nodes that come and go.
 using FollowerHandle = caf::typed_actor<caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
                                         caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>>;
-// Whoever has asked for nodes that are to leave.
+// The actor that has asked for a node to leave.
 using UsherHandle = caf::typed_actor<caf::reacts_to<NodeLet>>;
 using RouterHandle = caf::typed_actor<caf::reacts_to<SplitRouted>, caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
                                       caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>, caf::reacts_to<Cancel>>;

@@ -70,7 +70,7 @@ TESSERA_MESSAGE(HandOver)
 TESSERA_MESSAGE(RouteSplit, x.run_folder, x.split, x.attempt, x.shares, x.router)
 TESSERA_MESSAGE(SplitRouted, x.attempt, x.routed, x.done, x.failure)
 
-// Receipts: the tile, then raw bytes.
+// A receipt is the tile, the length and then raw bytes.
 inline caf::error inspect(caf::serializer& f, TileReceipt& x) {
   std::uint64_t n = x.receipt.size();
   if (auto failed = f(x.tile, n)) return failed;
@@ -84,7 +84,7 @@ inline caf::error inspect(caf::deserializer& f, TileReceipt& x) {
   return n > 0 ? f.apply_raw(n, x.receipt.data()) : caf::error{};
 }
 
-// Updates: numbers, then the message as one block of raw bytes.
+// An update is numbers, and then the message as one block of raw bytes.
 inline caf::error inspect(caf::serializer& f, Update& x) {
   std::uint64_t n = x.message.size();
   if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.epoch, x.hops, n)) return failed;
@@ -110,7 +110,8 @@ inline caf::error inspect(caf::deserializer& f, Packet& x) {
   std::uint64_t n = 0;
   if (auto failed = f(x.from, x.window_bytes, n)) return failed;
   x.updates.clear();
-  for (; n > 0; --n) {  // grows with what is there, whatever is announced
+  // Grows with the updates that are there, whatever number was announced, so a forged number takes no memory.
+  for (; n > 0; --n) {
     if (auto failed = f(x.updates.emplace_back())) return failed;
   }
   return caf::error{};

@@ -19,7 +19,8 @@ Router::Router(caf::actor_config& config, RouterOptions options, RoutingOwner& o
 }
 
 Router::behavior_type Router::make_behavior() {
-  set_error_handler([](caf::scheduled_actor*, caf::error&) {});  // whoever did not get a message is watched
+  // Receivers that are gone are noticed by the monitors.
+  set_error_handler([](caf::scheduled_actor*, caf::error&) {});
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { lose(down.source); });
   for (const NodeHandle& node : nodes_) monitor(node);
   hand_out();
@@ -27,7 +28,7 @@ Router::behavior_type Router::make_behavior() {
       [this](SplitRouted& routed) { take(routed); },
       [this](const NodeLost& lost) { lose(lost.node.address()); },
       [this](const NodeJoined& joined) { join(caf::actor_cast<NodeHandle>(joined.node)); },
-      [this](const NodeLeaves& leaves) {  // its stretch is another's at once
+      [this](const NodeLeaves& leaves) {  // its split goes to another node at once
         lose(leaves.node.address());
         send(caf::actor_cast<UsherHandle>(leaves.registry), NodeLet{leaves.node, caf::actor_cast<caf::actor>(this)});
       },
@@ -68,7 +69,7 @@ void Router::lose(const caf::actor_addr& node) {
 
 void Router::take(SplitRouted& routed) {
   const auto found = at_work_.find(routed.attempt);
-  if (found == at_work_.end()) return;  // of a node that was lost
+  if (found == at_work_.end()) return;  // from a node that was lost
   found->second.routed = routed.routed;
   if (routed.done) {
     const Attempt attempt = found->second;
@@ -117,7 +118,7 @@ std::uint32_t Router::begin(std::uint32_t split, NodeHandle node) {
   return attempts_;
 }
 
-// The nodes that are at work see that it is gone.
+// Nodes that still work notice that the router is gone.
 void Router::end(Failure failure) noexcept {
   if (!owner_) return;
   std::exchange(owner_, nullptr)->ended(std::move(routed_), std::move(failure));

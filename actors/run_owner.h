@@ -1,5 +1,5 @@
-// Whoever has a job run, as its coordinator sees it: in the same process, and told without messages, for whom to wait
-// is all that is left to do.
+// The code that has a job run, as the job's coordinator sees it. It is in the same process and is called and not sent
+// messages, because it may be a thread that does nothing but wait.
 #pragma once
 
 #include <cstdint>
@@ -14,36 +14,36 @@ namespace tessera {
 // What the tiles of a stage do: begin, exchange messages, come to their end.
 enum class RunStep : std::uint8_t { beginning, exchanging, ending };
 struct RunProgress {
-  std::uint32_t stage = 0;  // how many have ended since this coordinator took office
+  std::uint32_t stage = 0;  // number of stages that have ended under this coordinator
   RunStep step = RunStep::beginning;
   ShareProgress sum;
-  std::vector<NodeProgress> nodes;  // that have had a part, in order of coming
+  std::vector<NodeProgress> nodes;  // that have or had a share, in the order of coming
   std::uint32_t nodes_lost = 0;
 };
 
-// Wall clock of a stage, by its steps.
+// Wall-clock times of the steps of a stage.
 struct StageTimes {
   std::uint64_t begin_us = 0, exchange_us = 0, end_us = 0;
 };
 
 struct RunEnded {
   Failure failure;
-  bool again = false;  // damaged scratch was found while no tile could be told anything more: the next run mends it
+  bool again = false;  // damaged scratch was found too late to tell tiles anything more; the next run repairs it
   std::uint64_t waves = 0;
-  std::uint64_t nodes = 0, nodes_lost = 0, tiles_again = 0;  // begun again after losses
-  std::uint64_t memory_bytes = 0;                            // that they all gave the job
+  std::uint64_t nodes = 0, nodes_lost = 0, tiles_again = 0;  // tiles_again: tiles that began again after losses
+  std::uint64_t memory_bytes = 0;                            // that all nodes gave the job, together
   ShareEnded sum;
-  std::vector<StageTimes> stages;  // that the coordinator saw
+  std::vector<StageTimes> stages;  // those that this coordinator has seen
 };
 
-// Called from the coordinator's thread. What is thrown at it ends the job.
+// Called from the coordinator's thread. An exception ends the job.
 class RunOwner {
  public:
   virtual ~RunOwner() = default;
   virtual void progressed(const RunProgress& now) = 0;
   virtual void stored(const TileDone& tile) = 0;
   virtual void said(const std::string& line) = 0;  // for the job's log
-  // Always called in the end, once; the coordinator does not know its owner any more then.
+  // Called exactly once, at the end. The coordinator does not use its owner after that.
   virtual void ended(RunEnded end) noexcept = 0;
 };
 

@@ -1,5 +1,6 @@
-// Which actor runs next, on which thread. In place of CAF's own policy, which puts what is ready into a list: when
-// there is no memory for that, a message stands in a mailbox that nobody ever looks into, and the run has no end.
+// Decides which actor runs next, and on which thread. This replaces CAF's own policy, which puts ready actors into a
+// list. When there is no memory for an entry of that list, the actor's message is never handled, and the run never
+// ends.
 #pragma once
 
 #include <array>
@@ -15,19 +16,20 @@
 
 namespace tessera {
 
-// Those that decide what tiles do must not wait until a tile's work is done: they have threads of their own, which all
-// jobs share.
+// Actors that decide what tiles do must not wait until the work of a tile is done. So they have threads of their own,
+// which all jobs share.
 enum class Pool : std::uint8_t { deciding, tiles };
-// Two: one may read a run folder while the other goes on.
+// Two threads, so that one may read a run folder while the other goes on.
 inline constexpr std::size_t deciding_threads = 2;
 
-// Base of an actor. Once it is ready it stands in one queue at most, so it is the queue's link itself.
+// Base of an actor. A ready actor stands in one queue at most, so the actor itself is the link of the queue.
 class Schedulable {
  public:
   Schedulable(caf::resumable* job, Pool pool) : job_(job), pool_(pool) {}
   virtual ~Schedulable() = default;
 
-  // The process that it would live in, where several share one: a scheduler can stop those of one home.
+  // The process to which the actor would belong, where several simulated processes share one: the harness stops all
+  // actors of a home.
   std::optional<NodeId> home() const { return home_; }
 
  protected:
@@ -42,11 +44,11 @@ class Schedulable {
   std::optional<NodeId> home_;
 };
 
-// First come, first served.
+// A queue of ready actors, first come, first served. Thread-safe.
 class ReadyQueue {
  public:
   void push(Schedulable* actor);
-  // What is not ours: CAF's own actors, when the system starts and stops.
+  // Adds an actor of CAF's own, which CAF has when the system starts and stops. At most 8 may wait.
   void push(caf::resumable* stranger);
   caf::resumable* pop();      // waits until there is one
   caf::resumable* try_pop();  // null when there is none
@@ -62,7 +64,7 @@ class ReadyQueue {
   std::size_t strangers_count_ = 0;
 };
 
-// A policy of caf::scheduler::coordinator: its first workers are the deciding ones.
+// The policy of caf::scheduler::coordinator. Its first workers run the deciding actors.
 class TwoPools : public caf::policy::unprofiled {
  public:
   struct coordinator_data {
@@ -108,7 +110,7 @@ class TwoPools : public caf::policy::unprofiled {
     return worker->id() < deciding_threads ? Pool::deciding : Pool::tiles;
   }
   static ReadyQueue& queue(coordinator_data& data, Pool pool) { return data.queues[static_cast<std::size_t>(pool)]; }
-  // `strangers`: where those go that are not ours.
+  // `strangers` is the pool for actors of CAF's own.
   static void enqueue(coordinator_data& data, caf::resumable* job, Pool strangers);
 };
 

@@ -9,9 +9,10 @@
 namespace tessera {
 namespace {
 
-// Of many small tiles there are many in a moment: they are told before they take more memory than the tiles.
+// Many small tiles make many spans in a moment. The spans are sent before they take more memory than the tiles.
 constexpr std::size_t spans_max = 1000;
-// That speak as often as they may: of more, each waits longer, and whoever hears all of them has no more to do.
+// Up to so many nodes send progress at the shortest interval. With more nodes each waits longer, so that the
+// coordinator has no more to do.
 constexpr std::size_t nodes_at_once = 50;
 
 }  // namespace
@@ -41,8 +42,8 @@ ShareActor::ShareActor(caf::actor_config& config, NodeId self, ShareOptions opti
   }
 }
 
-// Part, tiles and office know each other: each lets go of the office as it ends. The office stays as it is: a tile may
-// be reading it at this moment.
+// Share, tiles and directory refer to each other, and each lets go of the directory as it ends. The directory itself is
+// not changed, because a tile may be reading it at this moment.
 void ShareActor::on_exit() {
   if (!office_) return;
   meter_->end(id());
@@ -61,7 +62,7 @@ void ShareActor::failed(const std::exception_ptr& exception) noexcept {
 }
 
 ShareActor::behavior_type ShareActor::make_behavior() {
-  meter_->tell(id(), {});  // it is there
+  meter_->tell(id(), {});  // the share is there
   monitor(coordinator_);
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) {
     lost_coordinator(down);
@@ -73,7 +74,7 @@ ShareActor::behavior_type ShareActor::make_behavior() {
   });
   return {
       [this](const BeginShare& begin) {
-        if (!obeyed() || opened()) return;  // once, whoever says it again
+        if (!obeyed() || opened()) return;  // once, even if another coordinator sends it again
         open(begin);
         dispatch();
       },
@@ -150,7 +151,8 @@ ShareActor::behavior_type ShareActor::make_behavior() {
         take(stored);
         dispatch();
       },
-      [this](const Leave&) {  // without a word: whoever watches takes the node for lost
+      // Without a last message: the coordinator takes the node for lost.
+      [this](const Leave&) {
         silent_ = true;
         stop(failure_of(error(Errc::interrupted, "the node leaves")));
         dispatch();
@@ -197,7 +199,7 @@ void ShareActor::take(TileReport& report) {
   (span.work == Work::begin ? sum_.begin_us : span.work == Work::finish ? sum_.collect_us : sum_.exchange_us) += us;
   progress_.spans.push_back(span);
   if (report.failure) return abandon(span.tile, std::move(report.failure));
-  if (!schedule_.working(span.tile)) return;  // given up while it worked: its mail could not be kept
+  if (!schedule_.working(span.tile)) return;  // given up while it worked, because its mail could not be kept
   schedule_.done(span.tile, span.work, report.memory,
                  {report.waiting.updates, report.waiting.bytes, report.waiting.memory, report.waiting.hops},
                  report.storing);
@@ -233,7 +235,8 @@ void ShareActor::stop(Failure failure) {
   schedule_.enter(images ? Schedule::Phase::suspending : Schedule::Phase::stopping);
 }
 
-// What is under way is of no use any more. Images that are being written are: they take no notice.
+// Work under way is of no use any more. Images that are being written are, and their writing does not look at the
+// token.
 void ShareActor::stop_work() noexcept {
   std::stop_source stopping = part_->stopping;
   stopping.request_stop();
@@ -245,7 +248,7 @@ void ShareActor::dispatch() {
     send(hosted_.at(permit->tile).handle, Permit{permit->work});
   }
   tell_progress(false);
-  // One that has failed waits for no tile to go by the table: that tile may be the one that has ended.
+  // A share that has failed does not wait for tiles to take the table: the tile may be the one that has ended.
   if (!schedule_.idle() || (rejoining_ > 0 && !failure_)) {
     const bool begun = opened() && schedule_.phase() == Schedule::Phase::exchanging && schedule_.all_begun();
     if (begun && said_.first(ShareEvent::begun)) tell(ShareBegun{self_});
@@ -322,8 +325,8 @@ void ShareActor::tell_progress(bool now) {
   meter_->tell(id(), {0, progress_.tiles_asleep, progress_.memory_bytes, waiting,
                       before_.tiles_begun + progress_.tiles_begun, before_.weight_begun + progress_.weight_begun,
                       before_.tiles_stored + progress_.tiles_stored - stored_before().size(), progress_.outboxes});
-  if (!coordinator_) return;  // spans are kept for the next one
-  // Of many nodes all are added up, ten times a second: each tells less.
+  if (!coordinator_) return;  // spans are kept for the next coordinator
+  // The coordinator adds up the counts of all nodes ten times a second. With several nodes each tells fewer.
   if (part_->mail) progress_.mail = part_->mail->take(stage().context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max);
   tell(progress_);
   std::vector<WorkSpan>().swap(progress_.spans);

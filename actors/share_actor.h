@@ -1,33 +1,33 @@
-// A node's part of a job: decides which of its tiles works next, within the job's share of memory and threads, and
-// speaks for them.
+// A node's share of a job. It decides which of its tiles works next, within the job's memory and threads, and speaks
+// for its tiles to the coordinator and to other nodes.
 //
 // state      | message       | effect
-// opened     | BeginShare     | grant work: first every tile begins, then those with most mail splay
-// exchanging | MailNotice    | remember, grant if a thread is free
-// exchanging | TileReport    | note the tile's counters, grant the next; tell the coordinator when all is idle
-// exchanging | Probe         | answer with the sums of all tiles; idle only if no grant is out and no mail is known
-// exchanging | Settle        | grant settle to every tile in memory; ShareSettled when all have
-// opened, settling | Collect | grant collect to every tile that is not stored
-// collecting | TileStored    | TileDone to the coordinator, grant the next; ShareCollected when every tile is stored
+// opened     | BeginShare    | give permits: first every tile begins, then those with mail make steps (schedule.h)
+// exchanging | MailNotice    | note it; give a permit if a thread is free
+// exchanging | TileReport    | note the tile's counters; give the next permit; tell the coordinator when all is idle
+// exchanging | Probe         | answer with the sums of all tiles; idle only if no permit is out and no mail is known
+// exchanging | Settle        | permit to settle for every tile in memory; ShareSettled when all have settled
+// opened, settling | Collect | permit to finish for every tile that is not stored
+// collecting | TileStored    | TileDone to the coordinator; the next permit; ShareCollected when every tile is stored
 // collecting | Finish        | ShareEnded
-// any        | Parcel        | hand its updates to the tiles; those of an epoch to come wait for its table
-// any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging.
-//            |               | Of the next stage: all tiles leave, and others, of its program, are fresh
-// any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
+// any        | Packet        | pass its updates to the tiles; updates of an epoch to come wait for its table
+// any        | ChangeTable   | new tiles are fresh, the others are told (Rejoin); settling becomes exchanging. With a
+//            |               | table of the next stage all tiles leave, and others, of its program, are fresh
+// any        | TileRejoined  | note the tile's counters; the share is not idle before all tiles have said this
 // opened, exchanging, collecting | Release | Leave to fresh tiles; when all have left: ShareReleased
-// exchanging | HandOver      | grant hand over to every tile that has begun; ShareEnded when all are handed over
-// any        | FindShare      | obey its sender from now on, if the term is a higher one; ShareFound, when no tile is
-//            |               | about to leave; whoever hands over says ShareEnded
-// any        | Suspend       | work under way stops, its tiles are given up; nothing but sleep is granted;
-//            |               | ShareEnded (interrupted) when no tile is in memory
+// exchanging | HandOver      | permit to hand over for every tile that has begun; ShareEnded when all have
+// any        | FindShare     | with a higher term: obey the sender from now on; ShareFound once no tile is about to
+//            |               | leave. A share that hands over sends ShareEnded instead
+// any        | Suspend       | stop work under way, and give up its tiles; permits for sleep only; ShareEnded
+//            |               | (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
-//                            | work under way stops; grant nothing more; ShareEnded with the first failure once
-//                            | nothing is under way
-// any        | Leave         | as Abort, but there is no ShareEnded
-// any        | an exception  | ShareEnded with it; the tiles stop what they are at, and leave
+//            |               | stop work under way; no more permits; ShareEnded with the first failure once no work is
+//            |               | under way. A coordinator may be gone for the grace before that
+// any        | Leave         | as for Abort, but without ShareEnded
+// any        | an exception  | ShareEnded with it; the tiles stop their work, and leave
 //
-// A tile's counters change only while it works under a grant, or goes by a new table, and both end in a report. So when
-// neither is under way the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
+// A tile's counters change only while it works under a permit, or takes a new table, and both end in a report. So when
+// neither is under way, the share's copies are exact, and its answer to a probe is a true snapshot of all its tiles.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +55,8 @@ inline std::string name_of(NodeId node) { return "node " + to_string(node); }
 
 class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
  public:
-  // `progress_interval`: how often at most the coordinator, and the meter, hear of progress, where nodes are few.
+  // `progress_interval` is the shortest time between two progress messages to the coordinator and the meter. It grows
+  // with the number of nodes when they are many.
   ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> part,
              CoordinatorHandle coordinator, Term term, Hooks hooks, std::chrono::milliseconds progress_interval,
              std::shared_ptr<NodeMeter> meter);
@@ -69,7 +70,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
     Totals totals;
     ExchangeCounts items;
     std::uint64_t updates = 0, microseconds = 0;
-    Epoch epoch;  // that it has last said it goes by
+    Epoch epoch;  // the epoch by which the tile last said that it goes
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
@@ -81,7 +82,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void release(const Release& wanted);
   void begin_stage(const RoutingTable& table);
   void enter_collecting();
-  // The coordinator, if there is one.
+  // Sends to the coordinator, if there is one.
   template <class Message>
   void tell(Message message) {
     if (coordinator_) send(coordinator_, std::move(message));
@@ -89,7 +90,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void tell_stored(TileDone done);
   void obey(const FindShare& found);
   bool obeyed();
-  // part_gates.cc
+  // Defined in share_outboxes.cc.
   void deliver(Packet& packet);
   void deliver(NodeId from, Update update);
   void keep_early(NodeId from, Update update);
@@ -118,7 +119,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   std::vector<std::uint64_t> weights_by(const RoutingTable& table) const;
   bool hosts(TileId tile) const { return hosted_.contains(tile); }
   const ShareStage& stage() const { return part_->stages.at(table_->stage); }
-  // What an earlier process has stored of the stage at hand.
+  // The tiles of the present stage that an earlier process has stored.
   std::span<const TileReceipt> stored_before() const {
     if (table_->stage != part_->table->stage) return {};
     return part_->stored;
@@ -127,7 +128,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   bool opened() const { return state_ != State::waiting; }
   bool idle() const { return opened() && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
-  // What another node has sent, and does not know to be taken.
+  // Bytes that another node has sent, and for which it has no credit yet. `held_back` is how many may be owed.
   struct Owed {
     std::uint64_t bytes = 0, held_back = 0;
   };
@@ -139,33 +140,35 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   Term term_;  // the coordinator's
   Schedule schedule_;
   std::map<TileId, Hosted> hosted_;
-  std::uint32_t leaving_ = 0;        // tiles given up that are still there
-  std::vector<TileId> given_up_;     // and what the coordinator has not been told of
-  std::uint32_t releases_ = 0;       // that it waits for
-  std::optional<FindShare> finder_;  // one that waits for an answer
-  std::vector<TileDone> stored_;     // what a coordinator that takes over must hear again
+  std::uint32_t leaving_ = 0;        // tiles that were given up and are still there
+  std::vector<TileId> given_up_;     // tiles given up of which the coordinator was not told
+  std::uint32_t releases_ = 0;       // number of Release messages to be answered
+  std::optional<FindShare> finder_;  // the request that waits for its ShareFound
+  std::vector<TileDone> stored_;     // a coordinator that takes over must hear these again
   std::shared_ptr<const RoutingTable> table_;
-  bool gate_failed_ = false;                            // its scratch could not be used
-  std::vector<Delivery> early_;                         // of epochs whose table is still to come
-  std::uint64_t early_bytes_ = 0;                       // of them, as Gate counts
-  std::uint32_t rejoining_ = 0;                         // tiles that do not yet go by the table
-  std::shared_ptr<const IncarnationChanges> rebirths_;  // since the oldest table that a tile goes by
+  bool gate_failed_ = false;                            // the scratch of an outbox could not be used
+  std::vector<Delivery> early_;                         // updates of epochs whose table is still to come
+  std::uint64_t early_bytes_ = 0;                       // of early_, as Outbox counts them
+  std::uint32_t rejoining_ = 0;                         // tiles that do not go by the table yet
+  std::shared_ptr<const IncarnationChanges> rebirths_;  // since the oldest table by which a tile goes
   Totals totals_;                                       // sums over tiles
   std::map<NodeId, Outbox> outboxes_;
   std::map<NodeId, Owed> owed_;
   ShareEnded sum_;
   Prepared<ShareEnded> last_word_;
-  ShareProgress progress_;  // of the stage at hand
-  NodeWork before_;         // what was done in the stages before
+  ShareProgress progress_;  // of the present stage
+  NodeWork before_;         // work done in earlier stages
   std::chrono::milliseconds progress_interval_;
   std::size_t nodes_ = 1;
   std::chrono::steady_clock::time_point progress_told_{};
   std::shared_ptr<NodeMeter> meter_;
   std::optional<Failure> failure_;
-  enum class State : std::uint8_t { waiting, open, ended };  // for BeginShare; from there on; it has said its last word
+  // Waiting for BeginShare; at work; its last message is said.
+  enum class State : std::uint8_t { waiting, open, ended };
   State state_ = State::waiting;
-  bool silent_ = false;  // it leaves without a word
-  ToldOnce said_;        // since its table, or its coordinator, is another one; that it is idle, since its last tally
+  bool silent_ = false;  // the share ends without a last message
+  // What was said since the last table or coordinator; and since the last tally, that it is idle.
+  ToldOnce said_;
 };
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// What a part sends to other nodes, and gets from them, within credit (src/exchange/outbox.h).
+// What a share sends to other nodes and gets from them, within credit (src/exchange/outbox.h).
 #include <algorithm>
 #include <utility>
 
@@ -12,18 +12,20 @@ constexpr std::uint32_t nodes_max = 1 << 16;
 
 }  // namespace
 
-// What waits for other nodes is on the scratch of its own.
+// An error io is that of the node's own scratch, because what waits for other nodes lies there.
 void ShareActor::stop_for_gate(Error error) {
   gate_failed_ = error.code == Errc::io;
   stop(failure_of(std::move(error)));
 }
 
-// For whoever is at home there by the newest table: if that is not the incarnation that is meant, it is dropped.
+// Sends an update to the node that has the tile by the newest table. Drops it when the tile has another incarnation
+// there.
 void ShareActor::post(Update update) {
   if (failure_ || !table_->alive(update.to)) return;
   const NodeId to = table_->node_of(update.to.tile);
   if (to == self_) return deliver(self_, std::move(update));
-  if (!office_->routes()->part_of(to)) return;  // lost: a table to come says where it is
+  // That node is lost. A table to come says where the tile is.
+  if (!office_->routes()->part_of(to)) return;
   Outbox& outbox = outboxes_
                        .try_emplace(to, part_->outboxes,
                                     part_->scratch.empty() ? part_->scratch : gate_scratch_file(part_->scratch, to))
@@ -55,7 +57,7 @@ void ShareActor::send_parcels(NodeId to) {
 }
 
 void ShareActor::deliver(Packet& packet) {
-  if (packet.from.value >= nodes_max) {  // something is kept for each
+  if (packet.from.value >= nodes_max) {  // something is kept for each node
     stop(failure_of(error(Errc::internal, name_of(self_) + " got mail of node " + std::to_string(packet.from.value) +
                                               ", which no job has")));
     return dispatch();
@@ -64,7 +66,8 @@ void ShareActor::deliver(Packet& packet) {
   for (Update& update : packet.updates) deliver(packet.from, std::move(update));
 }
 
-// Twice as many nodes may send as the newest table has: others join. Whoever keeps to no window could fill the memory.
+// Up to twice as many nodes may send as the newest table has, because others join. The bound is there because a node
+// that ignores its window could otherwise fill the memory.
 void ShareActor::keep_early(NodeId from, Update update) {
   early_bytes_ += Outbox::bytes_of(update);
   early_.push_back({from, std::move(update)});
@@ -79,7 +82,7 @@ void ShareActor::deliver_early() {
   for (Delivery& early : std::exchange(early_, {})) deliver(early.from, std::move(early.update));
 }
 
-// What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
+// Whatever another node sends, it never ends this process: an update for a tile that does not exist ends the job.
 void ShareActor::deliver(NodeId from, Update update) {
   if (failure_) return;  // mail of a job that is over
   const auto routes = office_->routes();
@@ -87,7 +90,7 @@ void ShareActor::deliver(NodeId from, Update update) {
   const TileId to = update.to.tile;
   const std::size_t tiles = weights().size();
   const bool sound = to.value < tiles && update.from.tile.value < tiles;
-  // Sent by an older table; or the tile was given up, and is told again where it begins.
+  // The update was sent by an older table; or the tile was given up, and its next incarnation is told again.
   const TileHandle handle = routes->tile(to);
   const bool gone = sound && (!table_->alive(update.to) || (handle && !hosts(to)));
   if (gone) return give_credit(from, Outbox::bytes_of(update));
@@ -99,7 +102,7 @@ void ShareActor::deliver(NodeId from, Update update) {
   send(handle, Delivery{from, std::move(update)});
 }
 
-// Not for each parcel: what is owed is always so little that the other one can go on.
+// Credit is not sent for each packet. What is owed is always so little that the other node can go on sending.
 void ShareActor::give_credit(NodeId to, std::uint64_t bytes) {
   if (to == self_ || failure_) return;
   Owed& owed = owed_[to];
@@ -116,7 +119,7 @@ void ShareActor::take(const Credit& credit) {
   send_parcels(credit.from);
 }
 
-// To nodes that are lost.
+// Empties the outboxes to nodes that are lost.
 void ShareActor::close_gates() {
   const auto routes = office_->routes();
   for (auto& [node, outbox] : outboxes_) {

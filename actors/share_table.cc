@@ -1,4 +1,4 @@
-// Which tiles a part has, by which table, and whom it obeys.
+// Which tiles a share has, by which routing table, and which coordinator it obeys.
 #include <algorithm>
 #include <utility>
 
@@ -8,8 +8,8 @@
 
 namespace tessera {
 
-// Not by the table that it was opened with: between opening and beginning nodes may be lost, and another coordinator
-// take over. Mostly it is the same, which is in memory once.
+// Goes by the table in BeginShare and not by the one with which the share was opened, because between the two nodes may
+// be lost and another coordinator may take over. Mostly the tables are equal, and then memory holds one copy.
 void ShareActor::open(const BeginShare& begin) {
   if (!begin.table.nodes.empty() && !is_of_job(begin.table, begin.parts)) return stop(not_of_job());
   office_->part = caf::actor_cast<ShareHandle>(this);
@@ -23,7 +23,7 @@ void ShareActor::open(const BeginShare& begin) {
   deliver_early();
 }
 
-// Nothing of the stage before is under way: its tiles have come to their end.
+// Nothing of the stage before is under way, because all its tiles have come to their end.
 void ShareActor::begin_stage(const RoutingTable& table) {
   office_->hooks.tell([&] { return name_of(self_) + ": stage " + std::to_string(table.stage); });
   for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
@@ -40,7 +40,7 @@ void ShareActor::begin_stage(const RoutingTable& table) {
   said_.forget(ShareEvent::begun);
 }
 
-// Whoever says so may be another than the coordinator.
+// Checks a table, because a process other than the coordinator may have sent it.
 bool ShareActor::is_of_job(const RoutingTable& table, const std::vector<caf::actor>& parts) const {
   const std::size_t tiles = weights().size();
   return table.nodes.size() == tiles && table.incarnations.size() == tiles && table.stage < part_->stages.size() &&
@@ -51,7 +51,7 @@ Failure ShareActor::not_of_job() const {
   return failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job"));
 }
 
-// Of its own tiles, and of others 0.
+// Returns the weights of the share's own tiles, and 0 for all others.
 std::vector<std::uint64_t> ShareActor::weights_by(const RoutingTable& table) const {
   std::vector<std::uint64_t> here = weights();
   for (std::uint32_t t = 0; t < here.size(); ++t) {
@@ -60,7 +60,8 @@ std::vector<std::uint64_t> ShareActor::weights_by(const RoutingTable& table) con
   return here;
 }
 
-// Whoever is here by the table and was not has come; whoever is not any more was fresh, and has been released.
+// Tiles that are new on this node by the table are added. Tiles that are not on it any more were fresh, and have been
+// released.
 void ShareActor::go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& parts) {
   auto routes = std::make_shared<Routes>();
   nodes_ = parts.size();
@@ -69,7 +70,7 @@ void ShareActor::go_by(std::shared_ptr<const RoutingTable> table, const std::vec
   for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<ShareHandle>(part));
   for (std::uint32_t t = 0; t < weights().size(); ++t) {
     if (weights()[t] == 0 || table->node_of(TileId{t}) != self_ || hosts(TileId{t})) continue;
-    Hosted& hosted = hosted_[TileId{t}];  // first: what is there must be told to leave
+    Hosted& hosted = hosted_[TileId{t}];  // first: a tile that exists must be in hosted_, to be told to leave
     hosted.handle =
         spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const ActorDirectory>(office_), table);
     if (opened()) schedule_.add(TileId{t}, weights()[t]);
@@ -85,7 +86,7 @@ void ShareActor::change_table(ChangeTable& change) {
   office_->hooks.tell([&] { return name_of(self_) + ": epoch " + to_string(change.table.epoch); });
   if (!is_of_job(change.table, change.parts)) return stop(not_of_job());
   if (change.table.stage != table_->stage) {
-    // When all tiles of all parts have come to the end of one stage, the next one begins.
+    // The next stage begins when all tiles of all shares have come to the end of the stage before.
     const bool next = change.table.stage > table_->stage && schedule_.phase() == Schedule::Phase::collecting &&
                       schedule_.idle() && !change.settled;
     if (!next) return stop(not_of_job());
@@ -113,17 +114,17 @@ void ShareActor::change_table(ChangeTable& change) {
 
 void ShareActor::take(const TileRejoined& rejoined) {
   const auto found = hosted_.find(rejoined.tile);
-  if (found == hosted_.end()) return;  // given up since it first said so
+  if (found == hosted_.end()) return;  // given up since it sent this
   Hosted& tile = found->second;
   note(tile, {rejoined.sent, rejoined.processed});
   const MailNotice& mail = rejoined.waiting;
   schedule_.mail(rejoined.tile, {mail.updates, mail.bytes, mail.memory, mail.hops});
-  // Of two tables that follow each other a tile may say twice that it goes by the second.
+  // When two tables follow each other, a tile may say twice that it goes by the second one.
   if (rejoined.epoch == table_->epoch && std::exchange(tile.epoch, rejoined.epoch) != rejoined.epoch) --rejoining_;
   if (rejoining_ == 0) rebirths_ = nullptr;
 }
 
-// Their mail goes with them: what they were told they are told again, as other incarnations.
+// The mail of released tiles goes with them. Their next incarnations are told all of it again.
 void ShareActor::release(const Release& wanted) {
   std::vector<TileId> released;
   const bool can = !failure_ && opened() && rejoining_ == 0 && schedule_.phase() != Schedule::Phase::settling &&
@@ -146,20 +147,21 @@ void ShareActor::take(const TileLeft&) {
   answer_if_left();
 }
 
-// Those that nobody has begun need nothing: others begin them. Whatever comes from now on, a tile that is handed over
-// does not hear any more, and is told again where it goes on. A part may be settling: when another node was lost
-// meanwhile the job exchanges again, but there is no new table before somebody is there who takes those tiles.
+// Tiles that have not begun need nothing: other nodes begin them. A tile that was handed over hears nothing any more,
+// and is told again where it goes on. The share may be settling. When another node was lost meanwhile, the job
+// exchanges again, but there is no new table before some node takes the tiles of the lost one.
 void ShareActor::hand_over() {
   if (failure_ || !opened() || schedule_.phase() > Schedule::Phase::settling) return;
   office_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
   schedule_.enter(Schedule::Phase::handing);
 }
 
-// As long as a tile is about to leave, it may write to the scratch that would be that of its next incarnation.
+// A tile that is about to leave may still write to the scratch that its next incarnation on this node would use. So the
+// share answers when all such tiles have left.
 void ShareActor::answer_if_left() {
   if (leaving_ > 0) return;
   for (; releases_ > 0; --releases_) tell(ShareReleased{self_, std::exchange(given_up_, {})});
-  // Whoever takes over finds no part then: that its tiles are handed over their images say.
+  // A coordinator that takes over then finds no share here. The images say that the tiles were handed over.
   if (!finder_ || schedule_.phase() == Schedule::Phase::handing) return;
   ShareFound answer;
   answer.term = term_;
@@ -181,12 +183,12 @@ void ShareActor::answer_if_left() {
   for (const TileDone& done : stored_) tell(done);
 }
 
-// Messages of one that has been replaced, and does not know it yet.
+// Returns false for messages of a coordinator that was replaced and does not know it yet.
 bool ShareActor::obeyed() {
   return coordinator_ && current_sender() == caf::actor_cast<caf::strong_actor_ptr>(coordinator_);
 }
 
-// Whatever has been said to the one before may not have been heard.
+// What was said to the coordinator before may not have been heard, so all of it is said again.
 void ShareActor::obey(const FindShare& found) {
   if (found.term <= term_ || state_ == State::ended) return;
   term_ = found.term;
@@ -200,7 +202,7 @@ void ShareActor::obey(const FindShare& found) {
   answer_if_left();
 }
 
-// The tiles go on: what they say meanwhile is said again to whoever takes over.
+// The tiles go on. What they say meanwhile is said again to the coordinator that takes over.
 void ShareActor::lost_coordinator(const caf::down_msg& down) {
   if (!coordinator_ || down.source != coordinator_.address()) return;
   coordinator_ = nullptr;

@@ -1,9 +1,10 @@
-// Base of every actor: none ends the process, however little memory there is, or ends unheard.
+// Base of all actors. However little memory there is, no actor ends the process, and none ends without its last
+// message.
 //
-// CAF catches what a handler throws, and then ends the actor outside of any try block: what fails there is
-// std::terminate. So an actor says its last word in on_exit(), at the latest, with a message that it has prepared; it
-// gives CAF no reason for its end, which would have to be copied; and the messages that CAF makes for those who monitor
-// it are the only ones that may be lost.
+// CAF catches an exception of a handler, and then ends the actor outside of any try block, so a failure there is
+// std::terminate. So an actor sends its last message in on_exit(), at the latest, and has made that message in advance.
+// An actor gives CAF no reason for its end, because CAF would copy the reason. Only the messages that CAF makes for
+// actors that monitor this one may be lost.
 #pragma once
 
 #include <caf/all.hpp>
@@ -28,11 +29,11 @@ class SteadyActor : public Handle::base, public Schedulable {
     try {
       return Handle::base::cleanup(std::move(reason), host);
     } catch (const std::bad_alloc&) {
-      return true;  // the actor is over; on_exit() has told whom it concerns
+      return true;  // the actor has ended; on_exit() has told all that must be told
     }
   }
 
-  // Nobody knows it any more. CAF would give a reason here.
+  // The last reference is gone. CAF's own version would make a reason here, which takes memory.
   void on_destroy() override {
     if (!this->getf(caf::abstract_actor::is_cleaned_up_flag)) {
       this->on_exit();
@@ -42,7 +43,7 @@ class SteadyActor : public Handle::base, public Schedulable {
   }
 
  private:
-  // A handler has thrown: the actor ends now, on_exit() comes next.
+  // A handler has thrown. The actor ends now, and on_exit() is called next.
   virtual void failed(const std::exception_ptr& exception) noexcept = 0;
 };
 

@@ -11,10 +11,10 @@
 namespace tessera {
 namespace {
 
-// More mail than this is told of again, so that the part knows what its tiles hold.
+// The share is told again when waiting mail has grown by so much, so that it knows what its tiles hold.
 constexpr std::uint64_t notice_bytes = 64 << 10;
 
-// Threads in the order in which they first did any work.
+// Numbers threads in the order in which they first did any work.
 std::uint32_t thread_number() {
   static std::atomic<std::uint32_t> next{0};
   thread_local const std::uint32_t number = next++;
@@ -23,8 +23,9 @@ std::uint32_t thread_number() {
 
 std::string name_of(TileId tile) { return "tile " + std::to_string(tile.value); }
 
-// Told from a writer's thread, where nobody catches: an exception would be the end of the process, silence that of the
-// job. So the message is made before the tile is handed over.
+// The function that a writer's thread calls when a tile is stored. No code catches exceptions there, so an exception
+// would end the process. If it said nothing, the job would never end. So the message is made before the tile is handed
+// over.
 class StoredNotice {
  public:
   StoredNotice(ShareHandle part, TileId tile)
@@ -43,7 +44,7 @@ class StoredNotice {
 
  private:
   ShareHandle part_;
-  std::shared_ptr<Prepared<TileStored>> prepared_;  // shared, for a function is copied
+  std::shared_ptr<Prepared<TileStored>> prepared_;  // shared, because a std::function is copied
 };
 
 }  // namespace
@@ -59,7 +60,7 @@ TileActor::TileActor(caf::actor_config& config, TileIncarnation self, std::share
   last_word_.message().tile = self.tile;
 }
 
-// Tiles and their office know each other: one that has ended must not keep the others alive.
+// Tile and directory refer to each other. A tile that has ended must not keep the others alive.
 void TileActor::on_exit() {
   if (!left_) fail(ended_unexpectedly());
   life_.drop();
@@ -81,7 +82,7 @@ void TileActor::fail(Failure failure) noexcept {
 }
 
 TileActor::behavior_type TileActor::make_behavior() {
-  // Nobody answers a tile; an error that comes back all the same means that a message did not arrive.
+  // No actor answers a tile. An error that comes back means that a message did not arrive.
   set_error_handler(
       [this](caf::scheduled_actor*, caf::error& reason) { fail(lost("a message of " + name_of(self_.tile), reason)); });
   return {
@@ -125,17 +126,18 @@ void TileActor::work(Work work) {
   const std::uint64_t before = life_.memory();
   try {
     if (Status done = perform(work); !done) {
-      report.kept = work != Work::hand_over;  // it begins again elsewhere
+      report.kept = work != Work::hand_over;  // otherwise the tile begins again elsewhere
       if (report.kept) report.failure = failure_of(std::move(done).error());
     }
     post_outgoing();
-  } catch (...) {  // an actor that ends by an exception says little, and its grant would stay out
+  } catch (...) {
+    // Caught here, because an actor that ends by an exception says little, and its permit would never come back.
     report.failure =
         failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
   }
   part_->heap_trim.worked_on(std::max(before, life_.memory()) + (finished_ ? finished_->bytes() : 0));
   report.span.end_us = since_opened();
-  // After the updates were posted: what is on its way counts as sent before the part can ask.
+  // The updates were posted before, so what is under way counts as sent before the share can ask.
   const Totals totals = life_.totals();
   report.sent = totals.sent;
   report.processed = totals.processed;
@@ -160,7 +162,7 @@ void TileActor::post_outgoing() {
   }
 }
 
-// What others must be told again waits for the next splay: whoever is asleep stays so until there is room.
+// What other tiles must be told again waits for the next step, so a sleeping tile stays asleep until there is room.
 void TileActor::rejoin() {
   const auto routes = office_->routes();
   life_.rejoin(routes->table, routes->rebirths.get());

@@ -1,19 +1,20 @@
-// A tile as an actor: TileLife behind messages.
+// A tile as an actor: a TileLife that is driven by messages.
 //
-// message   | effect                                            | answer to the part
-// Delivery  | keep the message                                  | MailNotice, once per silence, hop and 64 KiB
-// begin     | begin the program, or go on from an image         | TileReport, updates to other tiles
-// step      | process all mail                                  | TileReport, updates to other tiles
-// sleep     | write the state to scratch, free it               | TileReport
-// settle    | write down what the end can be made from alone    | TileReport
-// finish    | come to the end, have what is left of it kept     | TileReport, later TileStored from a writer
-// drop      | free the state                                    | TileReport
-// hand over | leave an image where other nodes find it          | TileReport
-// Rejoin    | go by the new table                               | TileRejoined
-// Leave     | end; when given up, remove the mail on scratch    | -; TileLeft
-// Mail that cannot be kept, or an exception outside of granted work: TileFailed, and the tile ends.
+// message   | effect                                           | answer to the share
+// Delivery  | keep the update                                  | MailNotice: the first since a report, and again after
+//           |                                                  | each 64 KiB, or when the longest chain has grown
+// begin     | begin the program, or go on from an image        | TileReport, updates to other tiles
+// step      | process all mail                                 | TileReport, updates to other tiles
+// sleep     | write the state to scratch, and free it          | TileReport
+// settle    | write down what the end needs without others     | TileReport
+// finish    | come to the end, and have the outcome kept       | TileReport, later TileStored from a writer
+// drop      | free the state                                   | TileReport
+// hand over | leave an image where other nodes find it         | TileReport
+// Rejoin    | go by the new table                              | TileRejoined
+// Leave     | end; when given up, remove the mail on scratch   | -; TileLeft
+// Mail that cannot be kept, or an exception outside of work with a permit: TileFailed, and the tile ends.
 //
-// Grants come from the part alone, which keeps at most as many under way as it has threads.
+// Permits come from the share alone, which has at most twice as many out as it has threads.
 #pragma once
 
 #include <memory>
@@ -50,7 +51,7 @@ class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
   TileLife life_;
   Prepared<TileFailed> last_word_;
   std::unique_ptr<Finished> finished_;  // not yet handed to the storage
-  std::uint64_t bytes_told_ = 0;        // of waiting mail
+  std::uint64_t bytes_told_ = 0;        // memory of the waiting mail, as the share was told
   std::uint32_t hops_told_ = 0;
   bool told_ = false, left_ = false;
 };

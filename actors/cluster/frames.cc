@@ -24,7 +24,7 @@ bool IncomingFrames::take(std::span<const unsigned char> bytes) {
   return true;
 }
 
-// The header is there.
+// Called when the header is there.
 bool IncomingFrames::begin() {
   have_ = 0;
   left_ = 0;

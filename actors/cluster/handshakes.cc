@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::minutes again_after{10};
-constexpr std::size_t kept_max = 256;  // sentences: whoever connects can make others of them
+constexpr std::size_t kept_max = 256;  // sentences: any process that connects can cause new ones
 
 class Troubles {
  public:
@@ -48,7 +48,8 @@ Troubles& troubles() {
   return all;
 }
 
-// Whoever is at the other end; of one who has connected himself without the port, which is another each time.
+// Returns the address of the other side. The port is left out when that side has connected, because it is another port
+// each time.
 std::string peer_of(const SSL* ssl) {
   sockaddr_storage address{};
   socklen_t length = sizeof address;
@@ -70,7 +71,7 @@ std::string date_of(const ASN1_TIME* time) {
   return text.data();
 }
 
-// The common name, with nothing in it that a log would not show.
+// Returns the common name in quotes. Characters that a log would not show become '?'.
 std::string name_of(const X509_NAME* whole) {
   std::array<char, 65> name{};
   if (!whole || X509_NAME_get_text_by_NID(whole, NID_commonName, name.data(), name.size()) < 0) return "without a name";
@@ -80,7 +81,7 @@ std::string name_of(const X509_NAME* whole) {
   return std::string("'") + name.data() + "'";
 }
 
-// `own`: of the other side. `certificate`: the one of its chain with which something is wrong.
+// `own` is the certificate of the other side, `certificate` the one in its chain that is wrong.
 std::string wrong_with(int reason, const X509* own, const X509* certificate) {
   const std::string name = "its certificate " + name_of(X509_get_subject_name(certificate)) + " ";
   switch (reason) {
@@ -117,7 +118,7 @@ int look(int fits, X509_STORE_CTX* verification) {
   return fits;
 }
 
-// Of an alert that the other side has sent; null: it is about something else.
+// Returns the meaning of an alert from the other side; null when the alert is not about a certificate.
 const char* refused_by_other(int reason) {
   switch (reason) {
     case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
@@ -136,7 +137,7 @@ const char* refused_by_other(int reason) {
 }  // namespace
 
 void watch_handshake(SSL* ssl) {
-  if (SSL_get_fd(ssl) < 0) return;  // of an HTTP server in this process
+  if (SSL_get_fd(ssl) < 0) return;  // a connection of an HTTP server in this process
   if (SSL_get_verify_callback(ssl) != look) SSL_set_verify(ssl, SSL_get_verify_mode(ssl), look);
 }
 

@@ -1,5 +1,5 @@
-// What is wrong with a certificate when a connection is refused, here or by the other side. CAF says only that there is
-// none: this is found where OpenSSL knows it.
+// Finds out what is wrong with a certificate when this process or the other side refuses a connection. CAF says only
+// that there is no connection, so the reason is taken where OpenSSL knows it.
 #pragma once
 
 #include <openssl/ssl.h>
@@ -10,12 +10,13 @@
 
 namespace tessera {
 
-// Before each step of a handshake; after each step, and each read, that has failed.
+// Call watch_handshake() before each step of a handshake, and note_failure() after each step and each read that has
+// failed.
 void watch_handshake(SSL* ssl);
 void note_failure(SSL* ssl);
 
-// What has been found since this was asked last, in this process, a sentence each. The same one not again for ten
-// minutes, for who is refused tries again at once.
+// Returns what was found in this process since the last call, one sentence for each finding. The same sentence is not
+// returned again for ten minutes, because a refused process tries again at once. Thread-safe.
 std::vector<std::string> take_handshake_troubles(
     std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());
 

@@ -30,13 +30,14 @@ void Member::failed(const std::exception_ptr& exception) noexcept {
 }
 
 Member::behavior_type Member::make_behavior() {
-  set_error_handler([](caf::scheduled_actor*, caf::error&) {});  // those who matter are watched
+  set_error_handler([](caf::scheduled_actor*, caf::error&) {});  // actors that matter are monitored
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { gone(down); });
   send(this, caf::connect_atom::value);
   send(this, caf::tick_atom::value);
   return {
       [this](const WhoIs& who) {
-        CoordinatorIs answer;  // not its handle: what is learnt through others goes through them
+        // Not the handle: messages to a handle that was learnt from a process pass through that process.
+        CoordinatorIs answer;
         if (registry_) answer.address = coordinator_address_;
         send(caf::actor_cast<MemberHandle>(who.asks), std::move(answer));
       },
@@ -87,7 +88,7 @@ void Member::seek() {
   ask(next);
 }
 
-// Once, as long as it is the same.
+// Logs a trouble once, as long as it stays the same.
 void Member::tell_trouble(const std::string& trouble) {
   if (last_trouble_ != trouble) options_.cluster.log(trouble);
   last_trouble_ = trouble;
@@ -98,9 +99,9 @@ void Member::ask(const HostPort& address) {
       this, address,
       [this, address](const caf::actor& door) {
         if (state_ != State::seeking) return;
-        // Of a process that has died and come back: asked by a number that it does not know.
+        // A process that has died and come back does not know the number by which the old handle asks it.
         send(caf::actor_cast<RegistryHandle>(door), WhoIs{caf::actor_cast<caf::actor>(this)});
-        seek_later();  // if nothing comes of it
+        seek_later();  // for the case that no answer comes
       },
       [this, address](const std::string& reason) {
         tell_trouble("nobody of the cluster is reached at " + to_string(address) + " yet: " + reason +
@@ -109,7 +110,7 @@ void Member::ask(const HostPort& address) {
       });
 }
 
-// The other side may have closed the connection before it said why.
+// The other side may have closed the connection before it said why, so an expired certificate is named here.
 std::string Member::own_certificate() const {
   const auto end = std::chrono::system_clock::time_point(std::chrono::seconds(options_.info.certificate_end_s));
   if (options_.info.certificate_end_s == 0 || std::chrono::system_clock::now() < end) return {};
@@ -139,7 +140,7 @@ void Member::welcome(const Welcome& message) {
   answered_ = Clock::now();
   coordinator_address_ = message.coordinator;
   options_.cluster.log("member of the cluster " + options_.cluster.name);
-  if (leaves_) leave();  // before it is free
+  if (leaves_) leave();  // before this node is free for work
   for (std::size_t i = 0; i < message.uuids.size(); ++i) {
     // A coordinator before this one may have been told, or not.
     if (gone_.contains(message.uuids[i])) send(registry_, Unreachable{options_.info.uuid, message.uuids[i]});
@@ -160,7 +161,8 @@ void Member::reach_node(const NodeUuid& uuid, const HostPort& address, int attem
         if (expelled_) return;
         if (attempts > 1) return reach_node(uuid, address, attempts - 1);
         options_.cluster.log("node at " + to_string(address) + " cannot be reached: " + reason);
-        // One of the two is lost now, or that one is already: of the others all have been reached, perhaps.
+        // One of the two nodes is lost now, or the other one was lost already. Perhaps all of the remaining nodes are
+        // reached.
         do_without(uuid);
         reached({}, nullptr);
       });
@@ -189,12 +191,13 @@ void Member::renew() {
   if (state_ != State::member) return;
   send(registry_, Renew{options_.info.uuid, options_.use()});
   ask_others();
-  reached({}, nullptr);  // the coordinator may not have believed it while another node was not lost yet
+  // Said again, because the coordinator does not accept it while another node counts as a member and is unreachable.
+  reached({}, nullptr);
 }
 
-// A connection is as long as the grace: whoever stands still keeps it, and goes on with it. So a node from which
-// nothing comes is found out here. While the coordinator is not heard either, nobody is given up: it may be one process
-// with that node, or this process may have stood still itself.
+// A connection lasts for the grace, so that a process that stands still keeps its connections and goes on with them. So
+// a node from which nothing comes is found here, by the lease. No node is given up while the coordinator is not heard
+// either: both may be one process, or this process may have stood still itself.
 void Member::ask_others() {
   std::vector<NodeUuid> silent;
   for (auto& [uuid, door] : doors_) {
@@ -226,7 +229,7 @@ void Member::gone(const caf::down_msg& down) {
   }
 }
 
-// Of what was on its way nobody knows: it is not reached again.
+// Messages that were on their way may be lost, so this node does not connect to the other one again.
 void Member::do_without(const NodeUuid& uuid) {
   if (const auto found = doors_.find(uuid); found != doors_.end()) {
     if (found->second.handle) forget(home_system(), found->second.handle);
@@ -256,7 +259,7 @@ void Member::leave() {
   leave_unheard();
 }
 
-// Whoever coordinates next would have nothing to take from it.
+// The next coordinator would have nothing to take from this node.
 void Member::leave_unheard() {
   if (leaves_ && state_ == State::seeking && options_.jobs() == 0)
     expel({"had nothing that others would go on with", false});

@@ -1,19 +1,19 @@
-// A node's place in a cluster: it finds the coordinator, reaches all other nodes, and renews its lease.
+// Keeps a node in its cluster: it finds the coordinator, connects to all other nodes, and renews the node's lease.
 //
-// state    | message        | effect                                                                       | next
-// seeking  | connect        | asks the next address of those it was given                                  | seeking
-// seeking  | CoordinatorIs  | says Hello there                                                             | greeting
-// greeting | Welcome        | reaches every other node; then ReachedAll                                    | member
-// greeting, seeking | Refused | tells why, and tries again later                                          | seeking
-// member   | tick           | Renew, and ReachedAll again; WhoIs to every other node, which answers        |
-// member   | tick, not answered for the lease | as when the coordinator is gone                            | seeking
-// any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
-// any      | another node is gone, or cannot be reached | Unreachable; it is done without                  |
-// member   | another node has not answered for the lease, in which the coordinator has | the same             |
-// any      | AskPlace       | answers with its state                                                       |
-// any      | AskToLeave     | it leaves: Leaving to the coordinator, now, at every tick, and to those after it;
-//          |                | when there is none, and nothing that others would go on with, the process ends
-// any      | Expelled       | the process must begin anew, or end                                          | ended
+// state    | message             | effect                                                                  | next
+// seeking  | connect             | ask the next address of --join                                          | seeking
+// seeking  | CoordinatorIs       | send Hello there                                                        | greeting
+// greeting | Welcome             | connect to every other node; then ReachedAll                            | member
+// greeting, seeking | Refused    | tell why, and try again later                                           | seeking
+// member   | tick                | Renew, and ReachedAll again; WhoIs to every other node, which answers   |
+// member   | tick, without an answer for the lease | as when the coordinator is gone                       | seeking
+// any      | coordinator is gone | go on with its tiles, and look for another coordinator                  | seeking
+// any      | another node is gone, or cannot be reached | Unreachable to the coordinator; do without that node
+// member   | another node has not answered for the lease, in which the coordinator has | the same
+// any      | AskPlace            | answer with the node's state                                            |
+// any      | AskToLeave          | Leaving to the coordinator, now and at every tick, and to those after it; without a
+//          |                     | coordinator, and without anything that others could go on with, the process ends
+// any      | Expelled            | the process must begin anew, or end                                     | ended
 #pragma once
 
 #include <chrono>
@@ -34,10 +34,10 @@ struct MemberOptions {
   ClusterOptions cluster;
   MemberInfo info;
   std::string last_words;  // how the process before this one ended; empty: in order
-  caf::actor registry;     // of the same process; null: another one coordinates
+  caf::actor registry;     // of the same process; null: another process coordinates
   caf::actor node;
   std::function<NodeUse()> use;
-  std::function<std::uint64_t()> jobs;  // that it is at work for
+  std::function<std::uint64_t()> jobs;  // number of jobs that it works for
 };
 
 class Member : public SteadyActor<MemberHandle, Pool::deciding> {
@@ -80,13 +80,14 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   std::string coordinator_address_;
   struct Door {
     std::string address;
-    caf::actor handle;   // null: not reached yet
-    unsigned asked = 0;  // times since it was heard, in each of which the coordinator was
+    caf::actor handle;  // null: not reached yet
+    // How often it was asked since it was last heard, counting only ticks at which the coordinator was heard.
+    unsigned asked = 0;
   };
   std::map<NodeUuid, Door> doors_;  // of other nodes
-  std::set<NodeUuid> gone_;         // were reached, and are not any more, or could not be
+  std::set<NodeUuid> gone_;         // nodes that could not be reached, or are not reachable any more
   Clock::time_point answered_ = Clock::now();
-  bool answered_since_ = false;  // the last tick
+  bool answered_since_ = false;  // answered since the last tick
   bool will_seek_ = false, leaves_ = false, expelled_ = false;
 };
 

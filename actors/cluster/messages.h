@@ -1,4 +1,4 @@
-// What nodes and their coordinator say to each other about the cluster itself. As for jobs: no references to memory, no
+// Messages between nodes and their coordinator about the cluster itself. As for jobs, they contain no pointers and no
 // doubles.
 #pragma once
 
@@ -13,16 +13,16 @@
 
 namespace tessera {
 
-// Changes with any message between nodes.
+// Changes when any message between nodes changes.
 inline constexpr std::uint32_t wire_version = 11;
 
-// anybody -> a process of the cluster: who coordinates?
+// any process -> a process of the cluster: who coordinates?
 struct WhoIs {
   caf::actor asks;
 };
 struct CoordinatorIs {
-  caf::actor registry;  // at the sender; or
-  std::string address;  // there; empty: not known
+  caf::actor registry;  // at the sender; or else
+  std::string address;  // its address; empty: not known
 };
 
 // node -> coordinator
@@ -35,8 +35,8 @@ struct Hello {
   caf::actor member, node;
 };
 struct Welcome {
-  std::vector<std::string> uuids, addresses;  // of the others: to be reached directly
-  std::string coordinator;                    // its address
+  std::vector<std::string> uuids, addresses;  // of the other nodes, to which it is to connect
+  std::string coordinator;                    // address of the coordinator
 };
 struct Refused {
   std::string why;
@@ -49,7 +49,7 @@ struct Renew {
   NodeUse use;
 };
 struct Renewed {};
-// coordinator -> node: it is lost, and may come back as another one; or it is drained, and ends.
+// coordinator -> node: the node is lost, and may come back as another node (`again`); or it is drained, and ends.
 struct Expelled {
   std::string why;
   bool again = true;
@@ -57,21 +57,21 @@ struct Expelled {
 struct Unreachable {
   std::string from, to;
 };
-// coordinator, or whoever ends the node's own process -> node: it is to leave in order. The coordinator is told by
+// coordinator, or the code that ends the node's process -> node: leave in order. The node tells the coordinator by
 // Leaving, each time.
 struct AskToLeave {};
-// node -> coordinator: it is to leave, by its own wish or whoever asked it to, of this coordinator or the one before;
-// and is at work for so many jobs, of which the coordinator may not know yet.
+// node -> coordinator: the node is to leave, by its own wish or because this or an earlier coordinator has asked it. It
+// works for `jobs` jobs, which the coordinator may not all know yet.
 struct Leaving {
   std::string uuid;
   std::uint64_t jobs = 0;
 };
 
-// whoever runs a job -> coordinator of the cluster: tell this actor of nodes that come and go.
+// job -> coordinator of the cluster: tell this actor of nodes that come and go.
 struct Follow {
   caf::actor follower;
 };
-// -> coordinator of the cluster: take all work from a node, and let it go. By name or uuid.
+// -> coordinator of the cluster: take all work from a node, and let it go. `node` is a name or uuid.
 struct Drain {
   std::string node;
 };
@@ -81,12 +81,12 @@ struct Drained {
 };
 struct AskMembers {};
 struct MemberList {
-  std::vector<NodeState> members;  // in order of coming
-  std::vector<caf::actor> nodes;   // of each
-  std::uint64_t lost = 0;          // ever; not those drained
+  std::vector<NodeState> members;  // in the order of coming
+  std::vector<caf::actor> nodes;   // actors of the members, in the same order
+  std::uint64_t lost = 0;          // nodes that were ever lost; drained nodes do not count
 };
 
-// whoever watches over a process -> its own node
+// the process -> its own node: what is the node's membership?
 struct AskPlace {};
 
 using MemberHandle =

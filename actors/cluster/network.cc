@@ -17,24 +17,23 @@
 #include "actors/cluster/handshakes.h"
 #include "src/base/check.h"
 
-// OpenSSL keeps a list of errors a thread, and SSL_get_error() takes any that is there for one of the call before it.
-// CAF 0.17 does not clear the list: when one peer dies, or a stranger sends garbage, the thread closes every other
-// connection at its next read. So the calls by which CAF reads and writes come by here, as whatever the program defines
-// comes before what its libraries do.
+// OpenSSL keeps a list of errors for each thread, and SSL_get_error() takes any error in that list for one of the last
+// call. CAF 0.17 does not clear the list. So when one peer dies, or a stranger sends garbage, the thread would close
+// every other connection at its next read. Therefore the calls by which CAF reads and writes are defined here: a
+// program's own definition is used before that of a library.
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t mute_max = 128;
 
-// Connections that others have made and over which nothing has come yet that OpenSSL lets pass. CAF closes none of
-// them by itself.
+// Connections that others have made and over which nothing valid has come yet. CAF closes none of them by itself.
 class Mute {
  public:
-  // Of too many the oldest goes.
+  // Adds a connection. When there are too many, the oldest one is closed.
   void add(SSL* ssl) {
     const int socket = SSL_get_fd(ssl);
-    if (socket < 0) return;  // of an HTTP server in this process
+    if (socket < 0) return;  // a connection of an HTTP server in this process
     const std::lock_guard lock(mutex_);
     if (!mute_.try_emplace(ssl, Connection{socket, Clock::now()}).second) return;
     if (mute_.size() > mute_max) shut(oldest());
@@ -68,7 +67,8 @@ class Mute {
                             [](const auto& a, const auto& b) { return a.second.since < b.second.since; })
         ->first;
   }
-  // CAF then reads its end, and closes it. Its number is not another's yet: SSL_free() comes before that, and waits.
+  // After the shutdown CAF reads the end of the connection and closes it. The number of the socket is not in use by
+  // another connection yet: CAF calls SSL_free() before it closes the socket, and that call waits for the mutex.
   void shut(SSL* ssl) {
     ::shutdown(mute_.at(ssl).socket, SHUT_RDWR);
     mute_.erase(ssl);
@@ -84,7 +84,7 @@ Mute& mute() {
   return all;
 }
 
-// Of a connection: goes with it.
+// Returns the frame counter of a connection, which is destroyed with the connection.
 tessera::IncomingFrames& frames_of(SSL* ssl) {
   static const int place =
       SSL_get_ex_new_index(0, nullptr, nullptr, nullptr, [](void*, void* frames, CRYPTO_EX_DATA*, int, long, void*) {
@@ -118,7 +118,7 @@ TESSERA_OPENSSL int SSL_read(SSL* ssl, void* to, int bytes) {
   if (read <= 0 || SSL_get_fd(ssl) < 0) return read;
   mute().remove(ssl);
   if (frames_of(ssl).take({static_cast<const unsigned char*>(to), static_cast<std::size_t>(read)})) return read;
-  ERR_raise(ERR_LIB_USER, ERR_R_PASSED_INVALID_ARGUMENT);  // for CAF, who closes the connection
+  ERR_raise(ERR_LIB_USER, ERR_R_PASSED_INVALID_ARGUMENT);  // CAF then closes the connection
   return -1;
 }
 TESSERA_OPENSSL int SSL_write(SSL* ssl, const void* from, int bytes) {
@@ -151,11 +151,13 @@ void load_network(caf::actor_system_config& config, const ClusterOptions& option
   config.set("openssl.certificate", options.certificate.string());
   config.set("openssl.key", options.key.string());
   config.set("openssl.cafile", options.authority.string());
-  // What arrives is read by the thread that receives it: workers of the pool may be at work on tiles for seconds.
+  // Messages are decoded by the thread that receives them, because the workers of the pool may be busy with tiles for
+  // seconds.
   config.set("middleman.workers", std::size_t{0});
-  // Who is stopped, or cut off, is found out by leases. What is on its way to him is lost with the connection, and not
-  // before: whoever goes on within the grace has lost nothing. The beats keep it from standing half open for longer.
-  // Not shorter than a second: CAF gives up connections that are still being made when a beat is due.
+  // Leases find a process that is stopped or cut off. Messages to it are lost with the connection, and not before, so a
+  // process that goes on within the grace has lost nothing. The beats end connections that are open on one side only.
+  // They are not more frequent than one a second, because CAF gives up connections that are still being made when a
+  // beat is due.
   const caf::timespan lease = options.lease, grace = std::chrono::seconds(options.grace_s);
   config.set("middleman.heartbeat-interval", std::max<caf::timespan>(lease / 5, std::chrono::seconds(1)));
   config.set("middleman.connection-timeout", std::max({lease, grace, caf::timespan(std::chrono::seconds(3))}));
@@ -169,7 +171,7 @@ Result<std::uint16_t> publish(const caf::actor& door, const HostPort& listen) {
 
 std::size_t close_mute_connections(std::chrono::milliseconds time) { return mute().shut_before(Clock::now() - time); }
 
-// By the word that it has come to an end, as the middleman gets it when the connection breaks.
+// Sends what the middleman gets when a connection breaks: that the actor has ended.
 void forget(caf::actor_system& system, const caf::actor& door) {
   caf::anon_send(caf::actor_cast<caf::actor>(system.openssl_manager().actor_handle()),
                  caf::down_msg{door.address(), caf::exit_reason::remote_link_unreachable});

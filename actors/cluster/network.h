@@ -1,5 +1,5 @@
-// CAF's middleman, with TLS: all that is used of it. Each process publishes one actor at its address and reaches every
-// other one there, for CAF's own ways of finding others use ports without TLS.
+// All uses of CAF's middleman, with TLS. Each process publishes one actor at its address and reaches all others at
+// theirs. CAF's own ways of finding other processes are not used, because they use ports without TLS.
 #pragma once
 
 #include <caf/all.hpp>
@@ -15,23 +15,25 @@
 
 namespace tessera {
 
-// REQUIRES: certificate, key and authority can be read and fit together; CAF ends the process when they do not.
+// Loads the network with TLS. REQUIRES: certificate, key and authority can be read and fit together; CAF ends the
+// process when they do not.
 void load_network(caf::actor_system_config& config, const ClusterOptions& options);
 
-// Listens. Returns the port. Error io.
+// Listens at the address and publishes `door` there. Returns the port. Error io.
 Result<std::uint16_t> publish(const caf::actor& door, const HostPort& listen);
 void unpublish(caf::actor_system& system, const caf::actor& door, std::uint16_t port);
 
-// Ends connections that others made longer ago than that and over which they have sent nothing that counts: no word
-// after a handshake with a certificate of the cluster. Of the whole process; to be called often. Beside them there are
-// never more than 128. Returns how many.
+// Closes connections that others made longer ago than `time` and over which nothing has come that OpenSSL accepts after
+// a handshake. Call it often; it is for the whole process. Returns how many were closed. When more than 128 such
+// connections are open, the oldest are closed at once, without this call.
 std::size_t close_mute_connections(std::chrono::milliseconds time);
 
-// Whoever is reached at an address is kept by it as long as the connection is there, which may be one to a process that
-// is no more: at its address is asked anew next time.
+// Forgets the connection to `door`. CAF keeps a handle for each address as long as the connection is there, and the
+// process behind it may be gone. The address is asked anew next time.
 void forget(caf::actor_system& system, const caf::actor& door);
 
-// Reaches the actor that is published there: done(handle), or failed(reason). Does not block; the connection is kept.
+// Connects to the actor that is published at an address, and calls done(handle) or failed(reason). Does not block. The
+// connection is kept.
 template <class Self, class Done, class Failed>
 void reach(Self* self, const HostPort& address, Done done, Failed failed) {
   self->request(self->home_system().openssl_manager().actor_handle(), std::chrono::seconds(5), caf::connect_atom::value,

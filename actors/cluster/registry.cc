@@ -13,7 +13,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::hours refused_again{1};
-constexpr std::size_t refused_max = 256;  // lines, for whoever is refused can change his name each time
+constexpr std::size_t refused_max = 256;  // lines: a refused process can change its name each time
 
 std::string known_as(const MemberInfo& info) { return "node " + info.name + " (" + info.address + ")"; }
 
@@ -33,7 +33,7 @@ void Registry::failed(const std::exception_ptr& exception) noexcept {
 }
 
 Registry::behavior_type Registry::make_behavior() {
-  // Whoever did not get a message is watched.
+  // Receivers that are gone are noticed by the monitors.
   set_error_handler([](caf::scheduled_actor*, caf::error&) {});
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { gone(down); });
   delayed_send(this, options_.lease / 10, caf::tick_atom::value);
@@ -79,7 +79,7 @@ std::string Registry::refusal(const Hello& hello) const {
   return {};
 }
 
-// It asks again twice a second, as long as nobody mends it.
+// A refused node asks again twice a second until it is repaired. So each line is logged once an hour.
 void Registry::tell_refused(const std::string& line) {
   const auto now = Clock::now();
   std::erase_if(refused_, [&](const auto& entry) { return now - entry.second >= refused_again; });
@@ -130,7 +130,7 @@ void Registry::follow(const caf::actor& job) {
   monitor(follower);
   for (const auto& [uuid, member] : members_.all()) {
     if (leaving_.contains(uuid)) {
-      ask_to_let(uuid, follower);  // it may have begun with it
+      ask_to_let(uuid, follower);  // the job may have begun with this node
     } else if (member.free) {
       send(follower, NodeJoined{actors_.at(uuid).node});
     }
@@ -150,8 +150,8 @@ Drained Registry::drain(const std::string& node) {
   return {true, {}};
 }
 
-// The node keeps in mind that it is to leave, for the coordinator after this one. Until it has said that it is at work
-// for nobody it stays: jobs that another coordinator has left may be to come, and have begun tiles there.
+// The node remembers that it is to leave, and tells the next coordinator. The node stays until it has said that it
+// works for no job, because jobs of an earlier coordinator may be still to come, and have begun tiles there.
 void Registry::begin_leaving(const NodeUuid& uuid) {
   if (!leaving_.try_emplace(uuid).second) return;
   options_.log(known_as(members_.find(uuid)->info) + " leaves: what it has goes to others");
@@ -171,7 +171,7 @@ void Registry::ask_to_let(const NodeUuid& uuid, const FollowerHandle& job) {
   send(job, NodeLeaves{actors_.at(uuid).node, caf::actor_cast<caf::actor>(this)});
 }
 
-// `job` has nothing there any more, or has ended.
+// `job` has nothing on that node any more, or has ended.
 void Registry::let(const FollowerHandle& job, const NodeUuid& uuid) {
   const auto leaving = leaving_.find(uuid);
   if (leaving == leaving_.end()) return;

@@ -1,20 +1,21 @@
-// The coordinator of a cluster: who is a member, for how long, and which jobs must hear of it (src/cluster/members.h).
+// The coordinator of a cluster: it knows which nodes are members, for how long, and which jobs must hear of them
+// (src/cluster/members.h).
 //
-// message     | effect                                                          | answer
-// WhoIs       | -                                                               | CoordinatorIs
-// Hello       | a member, if version, cluster and shared folder are ours        | Welcome, Refused; Expelled
-// ReachedAll  | free for work: NodeJoined to every job                          | -
-// Renew       | its lease begins anew                                           | Renewed
-// Unreachable | one of the two will be lost                                     | -
-// Follow      | this job hears of nodes from now on: NodeJoined for each        | -
-// Drain       | NodeLeaves to every job; nothing when no other node is free     | whether there is one of that name;
-//             |                                                                 | why it stays
-// Leaving     | the same for its sender, though it is the only one; or whether  | -
-//             | jobs that are still to come have something there                |
-// NodeLet     | when all jobs have: AskToLeave, for it may be at work for jobs  |
-//             | that are still to come; when it is not: Expelled, for good      | -
-// AskMembers  | -                                                               | MemberList
-// a member is gone, tick | NodeLost to every job; Expelled to the node          | -
+// message     | effect                                                           | answer
+// WhoIs       | -                                                                | CoordinatorIs
+// Hello       | a member, if version, cluster and data folder are the same       | Welcome, Refused; Expelled
+// ReachedAll  | the node is free for work: NodeJoined to every job               | -
+// Renew       | the node's lease begins anew                                     | Renewed
+// Unreachable | one of the two nodes will be lost                                | -
+// Follow      | this job hears of nodes from now on: NodeJoined for each         | -
+// Drain       | NodeLeaves to every job; nothing when no other node is free      | whether there is such a node, and
+//             |                                                                  | why it stays
+// Leaving     | the same for its sender, though it is the only node; later ones  | -
+//             | say whether it works for jobs that are still to come             |
+// NodeLet     | when all jobs have sent it: AskToLeave, as the node may work for | -
+//             | jobs that are still to come; Expelled for ever when it does not  |
+// AskMembers  | -                                                                | MemberList
+// a member is gone, tick | NodeLost to every job; Expelled to the node           | -
 #pragma once
 
 #include <chrono>
@@ -46,7 +47,7 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   void welcome(const Hello& hello);
   std::string refusal(const Hello& hello) const;
   void tell_refused(const std::string& line);
-  // `again`: its process may come back, as another node.
+  // `again` says whether its process may come back, as another node.
   void lose(const Members::Loss& loss, bool again = true);
   void follow(const caf::actor& job);
   Drained drain(const std::string& node);
@@ -65,11 +66,12 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   std::set<FollowerHandle> jobs_;
   struct Going {
     std::set<FollowerHandle> jobs;  // that still have something there
-    bool at_work = true;            // as far as it has said: for these, or for jobs that are still to come
+    bool at_work = true;            // as far as the node has said: for these jobs, or for jobs that are still to come
   };
   std::map<NodeUuid, Going> leaving_;
   std::uint64_t lost_ = 0;
-  std::map<std::string, std::chrono::steady_clock::time_point> refused_;  // lines, when they were told
+  // Sentences, with the time at which they were last told.
+  std::map<std::string, std::chrono::steady_clock::time_point> refused_;
 };
 
 }  // namespace tessera

@@ -28,7 +28,7 @@ Status Seat::take(caf::actor_system& system, const Own& own) {
   if (o.listen.port == 0) return error(Errc::usage, "the cluster's address needs a port");
   if (o.advertised.host.empty()) o.advertised.host = o.listen.host;
   if (o.advertised.port == 0) o.advertised.port = o.listen.port;
-  // A coordinator goes on when it is no node any more: nothing of the node may hold on to a job then.
+  // A coordinator goes on when its process is no node any more. Then nothing of the node may hold on to a job.
   o.expelled = [told = std::move(o.expelled), node = own.node ? own.node.address() : caf::actor_addr()](
                    const std::string& why, bool again) {
     if (const auto there = caf::actor_cast<caf::actor>(node))
@@ -75,7 +75,8 @@ MemberList Seat::list() const {
   caf::scoped_actor self{*system_, true};
   MemberList list;
   self->request(registry_, caf::infinite, AskMembers{})
-      .receive([&](MemberList& answer) { list = std::move(answer); }, [](const caf::error&) {});  // it is ending: none
+      // On an error the registry is ending: there are no members.
+      .receive([&](MemberList& answer) { list = std::move(answer); }, [](const caf::error&) {});
   return list;
 }
 
@@ -84,7 +85,8 @@ NodePlace Seat::place() const {
   NodePlace place;
   place.trouble = "leaves the cluster";
   self->request(member_, caf::infinite, AskPlace{})
-      .receive([&](NodePlace& answer) { place = std::move(answer); }, [](const caf::error&) {});  // it is ending
+      // On an error the member is ending.
+      .receive([&](NodePlace& answer) { place = std::move(answer); }, [](const caf::error&) {});
   return place;
 }
 
@@ -121,7 +123,8 @@ Result<bool> Seat::drain(const std::string& node) const {
   caf::scoped_actor self{*system_, true};
   Drained drained;
   self->request(registry_, caf::infinite, Drain{node})
-      .receive([&](Drained& answer) { drained = std::move(answer); }, [](const caf::error&) {});  // it is ending: none
+      // On an error the registry is ending: there is no such node.
+      .receive([&](Drained& answer) { drained = std::move(answer); }, [](const caf::error&) {});
   if (!drained.refused.empty()) return error(Errc::usage, "node '" + node + "': " + drained.refused);
   return drained.found;
 }

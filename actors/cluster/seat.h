@@ -1,5 +1,5 @@
-// A process's seat in a cluster: what it listens with, its place as a node, and the cluster's coordinator if it is
-// that.
+// The membership of this process in a cluster: the actor of the node that is a member, the registry if this process
+// coordinates, and the port.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace tessera {
 
 class Seat final : public Membership {
  public:
-  // `last_words`: how the process before this one ended; empty: in order.
+  // `last_words` says how the process before this one ended; empty: in order.
   explicit Seat(ClusterOptions options, std::string last_words = {})
       : options_(std::move(options)), last_words_(std::move(last_words)) {}
   const ClusterOptions& options() const override { return options_; }

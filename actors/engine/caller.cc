@@ -63,7 +63,7 @@ void RunCaller::stored(const TileDone& done) {
 }
 
 void RunCaller::ended(RunEnded end) noexcept {
-  const auto told = end_;  // whoever waits may be gone before this returns
+  const auto told = end_;  // the waiting thread may destroy this object before this returns
   told->set_value(std::move(end));
 }
 

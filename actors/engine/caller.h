@@ -1,4 +1,4 @@
-// Whoever called Engine::run(): hears of its job, and waits for the end.
+// Waits for the end of a job over a cloud, and passes on what is told of it, for Engine::run().
 #pragma once
 
 #include <chrono>
@@ -13,6 +13,7 @@
 
 namespace tessera {
 
+// Its methods are called from the coordinator's thread, except wait() and summary().
 class RunCaller final : public RunOwner {
  public:
   explicit RunCaller(Progress& progress) : progress_(progress) {}
@@ -22,8 +23,9 @@ class RunCaller final : public RunOwner {
   void said(const std::string& line) override { progress_.log(line); }
   void ended(RunEnded end) noexcept override;
 
+  // Blocks until the run has ended. Called once.
   RunEnded wait() { return end_->get_future().get(); }
-  // Of a run that has ended well.
+  // Returns the summary of a run that has ended without a failure.
   RunSummary summary(const RunEnded& ended);
 
  private:

@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-// What comes from the router waits here for the thread that routes.
+// Passes what the router's actor says to the thread that waits in route().
 class LocalSplitQueue final : public RoutingOwner {
  public:
   struct Here {
@@ -41,13 +41,13 @@ class LocalSplitQueue final : public RoutingOwner {
     changed_.notify_one();
   }
 
-  // What is to be routed here; none: it has ended.
+  // Waits for the next split to route here. Empty: the routing has ended.
   std::optional<Here> next() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return here_ || end_; });
     return end_ ? std::nullopt : std::exchange(here_, std::nullopt);
   }
-  // Waits for it.
+  // Waits for the end of the routing.
   End end() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return end_.has_value(); });
@@ -64,8 +64,8 @@ class LocalSplitQueue final : public RoutingOwner {
 
 }  // namespace
 
-// Some for each node, so that those that are done early take more; large enough that a node is busy with it for a
-// while.
+// Returns the size of a split. Each node gets several splits, so that nodes that are done early take more. A split
+// keeps a node busy for a while.
 std::uint64_t ClusterRouter::stretch_points(std::uint64_t total) const {
   const std::uint64_t unknown = 2'000'000;
   const std::uint64_t nodes = std::max<std::size_t>(1, seat_.members().size());
@@ -86,7 +86,7 @@ Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, cons
   LocalSplitQueue desk(progress);
   Prepared<Cancel> cancel, cancel_by_user;
   const auto router = system_.spawn<Router>(std::move(options), desk, nodes);
-  // It knows the desk until it has ended.
+  // The router refers to `desk` until it has ended, so it is cancelled and waited for, also after an exception.
   struct Ending {
     ~Ending() {
       cancel.say(router);

@@ -1,4 +1,4 @@
-// The nodes of a cluster, and this process where they cannot, as routers of an input.
+// Routes an input on the nodes of a cluster, and in this process what the nodes cannot read.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@ namespace tessera {
 
 class ClusterRouter final : public SplitRouter {
  public:
-  // Both outlive it. `memory_bytes`: for what is routed here.
+  // `system` and `seat` outlive this object. `memory_bytes` is for what is routed in this process.
   ClusterRouter(caf::actor_system& system, const Membership& seat, std::uint64_t memory_bytes)
       : system_(system), seat_(seat), memory_bytes_(memory_bytes) {}
   std::uint64_t stretch_points(std::uint64_t total) const override;

@@ -37,13 +37,13 @@ class EngineConfig : public caf::actor_system_config {
   }
 };
 
-// The last stage that is settled, or the first one: what it has settled comes to its end.
+// Returns the last stage that is settled, or the first one. The job begins with it: what is settled comes to its end.
 Result<std::uint32_t> first_stage(const std::filesystem::path& run, std::uint32_t stages) {
   BOOST_OUTCOME_TRY(settled, settled_stages(run, stages));
   return std::max(settled, 1U) - 1;
 }
 
-// Opens parts of each job by its kind.
+// Opens shares of all kinds of jobs.
 class AllShares final : public ShareSource {
  public:
   AllShares(std::filesystem::path scratch, KindsOfStages kinds)
@@ -83,19 +83,19 @@ struct Engine::Impl {
     node = nullptr;
   }
 
-  // `again`: see RunEnded.
+  // `again` is set as in RunEnded.
   Result<RunSummary> run(const RoutedCloud& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, const std::stop_token& stop, bool& again);
   Status run(const ResultJob& result_job, const std::function<void(double)>& part, Progress& progress,
              const std::stop_token& stop, bool& again);
-  // What all jobs have in common; returns the nodes that the job begins with.
+  // Sets what all jobs have in common, and returns the nodes with which the job begins.
   Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const std::stop_token& stop);
-  // From the first message to the last. `caller` hears of all but the end.
+  // Runs a job from the first message to the last one. `caller` is told of all that happens.
   template <class Caller>
   RunEnded conduct(CoordinatorOptions job, std::vector<NodeHandle> nodes, Caller& caller, const std::stop_token& stop);
 
   const std::uint32_t threads;
-  const std::unique_ptr<Membership> seat;  // null: alone
+  const std::unique_ptr<Membership> seat;  // null: no cluster
   EngineConfig config;
   std::shared_ptr<AllShares> source;
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();
@@ -137,8 +137,8 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.first_stage = [run, stages = job.stages] { return first_stage(run, stages); };
   job.spec.shares = seat->options().jobs_at_once;
   job.spec.grace_s = seat->options().grace_s;
-  job.spec.resumable = false;  // images are of use to their own node alone
-  // Whose writing counts is told by incarnations, and the next coordinator has another lock.
+  job.spec.resumable = false;  // only the node that wrote an image can use it
+  // Incarnations tell whose files count, and the next coordinator has another lock.
   job.spec.lock_file.clear();
   auto nodes = seat->nodes(term > Term{1}, stop);
   if (nodes.empty()) return error(Errc::interrupted, "interrupted");
@@ -157,10 +157,10 @@ RunEnded Engine::Impl::conduct(CoordinatorOptions job, std::vector<NodeHandle> n
 
 namespace {
 
-// Whatever a job's parts hold on to: when the last of them has let go, nothing works for the job any more.
+// Lends an object to the shares of a job. When the last share has let go of it, nothing works for the job any more.
 template <class Held>
 struct Lent {
-  // Shared: whoever lets go last may still be at it when this is gone.
+  // Shared, because the last share may still use the promise when this object is gone.
   explicit Lent(const Held& held)
       : promise(std::make_shared<std::promise<void>>()),
         gone(promise->get_future()),
@@ -170,7 +170,7 @@ struct Lent {
   std::shared_ptr<const Held> lent;
 };
 
-// Takes back what was lent, also when there is no coordinator.
+// Takes back what was lent, also when there is no coordinator because of an exception.
 template <class TakeBack>
 class AtEnd {
  public:
@@ -198,7 +198,7 @@ Result<RunSummary> Engine::Impl::run(const RoutedCloud& run, const std::filesyst
   for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
     if (run.tile_points[t] > 0) job.order.push_back(TileId{t});
   }
-  // A node's tiles are near each other, so that most neighbours are at home.
+  // Tiles of one node are to be near each other, so that most neighbours are on the same node.
   const HilbertKey key(run.bounds, run.dimension);
   std::vector<std::uint64_t> place(run.tile_points.size());
   for (const TileId t : job.order) {
@@ -290,7 +290,7 @@ Result<RunSummary> Engine::run(const RoutedCloud& run, const std::filesystem::pa
                                Progress& progress, std::stop_token stop) {
   bool again = false;
   auto summary = impl_->run(run, out, options, progress, stop, again);
-  // Once: where damage follows damage, nothing should go on.
+  // Once only: where damage follows damage, the job must not go on.
   if (again) summary = impl_->run(run, out, options, progress, stop, again);
   return summary;
 }

@@ -1,4 +1,4 @@
-// Whoever runs a job over a result: hears how far it is, and waits for its end.
+// Waits for the end of a job over a result, and tells how much of it is done.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,13 @@ namespace tessera {
 
 class StagesCaller final : public RunOwner {
  public:
-  // `first`: the stage that it begins with, of `stages`. `part`: told how much is done; or null.
+  // The job has `stages` stages and begins with the stage `first`. `part` is told the fraction that is done; it may be
+  // null.
   StagesCaller(std::uint32_t first, std::uint32_t stages, std::size_t tiles, std::function<void(double)> part,
                Progress& progress)
       : first_(first), stages_(stages), tiles_(tiles), part_(std::move(part)), progress_(progress) {}
 
-  // Of each stage one half is its beginning, one its end.
+  // In each stage one half is for the beginning of its tiles, the other half for their end.
   void progressed(const RunProgress& now) override {
     progress_.memory_bytes = now.sum.memory_bytes;
     progress_.nodes_lost = now.nodes_lost;
@@ -36,7 +37,7 @@ class StagesCaller final : public RunOwner {
   void stored(const TileDone&) override {}
   void said(const std::string& line) override { progress_.log(line); }
   void ended(RunEnded end) noexcept override {
-    const auto told = end_;  // whoever waits may be gone before this returns
+    const auto told = end_;  // the waiting thread may destroy this object before this returns
     told->set_value(std::move(end));
   }
   RunEnded wait() { return end_->get_future().get(); }

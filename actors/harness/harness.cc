@@ -39,7 +39,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
     report.failure = failure;
   };
   const auto allocations_failed = [&] { return options.memory_faults ? options.memory_faults->failed() : 0; };
-  // The last life is not ended by anybody, and meets no fault.
+  // The last life is not ended early.
   const std::uint64_t ends = options.restarts ? 1 + rng() % 2 : 0;
   std::uint64_t lives_max = ends + 3, damages = 0, mended = 0;
   for (std::uint64_t life = 0;; ++life) {

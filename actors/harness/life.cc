@@ -12,9 +12,9 @@ namespace tessera {
 namespace {
 
 constexpr std::uint64_t steps_max = 20'000'000;
-constexpr std::uint32_t grace_s = 1000;  // never over while a run lasts
+constexpr std::uint32_t grace_s = 1000;  // longer than any run lasts
 
-// Coordinators live in processes of their own.
+// Each coordinator is in a process of its own.
 NodeId home_of_coordinator(std::size_t number) { return NodeId{1'000'000 + static_cast<std::uint32_t>(number)}; }
 
 }  // namespace
@@ -52,11 +52,12 @@ Outcome Life::live(End end, std::uint64_t end_at) {
       caf::anon_send(coordinators_.back(), Cancel{});
     }
     if (!ended()) losses.befall(outcome_.steps, *this);
-    // A store may end at any moment, or when nothing else is left to happen.
+    // A tile may be stored at any moment, and at the latest when nothing else can happen.
     if (rng_() % 16 == 0 && storage_.store_one(rng_)) continue;
     if (!step() && !storage_.store_one(rng_)) {
       const auto next = losses.next_step();
-      if (!ended() && !next && nobody_is_left()) {  // the losses do not know whose scratch has failed beside
+      // The drawn losses do not include nodes whose scratch has failed, so another node may be needed.
+      if (!ended() && !next && nobody_is_left()) {
         join(NodeId{nodes_.rbegin()->first.value + 1});
         continue;
       }
@@ -75,12 +76,13 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   if (outcome_.failure.empty() && end != End::kill && !outcome_.ended) {
     outcome_.failure = "no end after " + std::to_string(outcome_.steps) + " steps";
   }
-  // Without memory for its image a tile begins again.
+  // When there is no memory for a tile's image, the tile begins again.
   const bool begun = storage_.take_begun() > 1 && !options_.memory_faults;
   const bool again = begun || (outcome_.ended && outcome_.ended->tiles_again > 0);
   if (options_.faults.orderly() && outcome_.failure.empty() && again)
     outcome_.failure = "a tile began again where nodes left in order";
-  const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;  // from the start
+  // It was settled from the start.
+  const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;
   if (settled && !losses.any() && storage_.failed().empty() && storage_.take_reads() > 1) {
     outcome_.failure = "a run that was settled reads what it is built from more than once";
   }
@@ -141,7 +143,7 @@ CoordinatorOptions Life::coordinator_options() {
   return job;
 }
 
-// Where a job begins that no node has a part of.
+// The stage with which a job begins when no node has a share of it.
 std::uint32_t Life::first_stage() const { return std::max(storage_.settled, 1U) - 1; }
 
 void Life::add_coordinator() {
@@ -160,9 +162,10 @@ void Life::add_coordinator() {
 void Life::believed_quiet(const RoutingTable& table) {
   const Turn ours(options_.memory_faults, false);
   tell("coordinator: quiet");
-  outcome_.epochs = std::uint64_t{table.epoch.term.value} + table.epoch.number;  // terms, and those of the last one
+  // Number of terms, and of tables in the last one.
+  outcome_.epochs = std::uint64_t{table.epoch.term.value} + table.epoch.number;
   const auto under_way = truths_.at(table.stage).under_way(table);
-  // To or from tiles that are no more, some may be left on the way.
+  // Updates to or from dead incarnations may still be under way.
   if (under_way != 0 || (table.epoch == setting_.spec.table.epoch && network_state_.held > 0)) {
     outcome_.failure = "quiescence believed with " + std::to_string(under_way) + " updates not processed";
   }
@@ -175,7 +178,8 @@ bool Life::step() {
   } catch (const std::exception& e) {
     const Turn ours(options_.memory_faults, false);
     outcome_.failure = std::string("an exception would have ended the process: ") + e.what();
-    system_.await_actors_before_shutdown(false);  // the one that threw is neither dead nor alive
+    // The actor that has thrown counts as neither dead nor alive.
+    system_.await_actors_before_shutdown(false);
     return true;
   }
 }
@@ -194,10 +198,11 @@ void Life::end_all() {
   do {
     scheduler_.run_all();
   } while (storage_.lose_pending());
-  // Parts that wait for another coordinator.
+  // Ends shares that wait for another coordinator.
   scheduler_.advance_time(std::chrono::seconds(grace_s));
   scheduler_.run_all();
-  // What is left on the scratch of nodes that were lost is nobody's; nor, when the run is resumed, of those that came.
+  // Mail on the scratch of lost nodes is removed, because no process reads it. The same holds for nodes that have come,
+  // when the run is resumed without them.
   const bool resumed = !outcome_.ended || outcome_.ended->failure;
   for (const NodeId home : homes) {
     const bool gone = given_up_.contains(home) || storage_.failed().contains(home);
@@ -250,7 +255,8 @@ void Life::tell_that_leaves(NodeId node) {
 
 void Life::let(const NodeLet& let) {
   const Turn ours(options_.memory_faults, false);
-  if (let.follower != caf::actor_cast<caf::actor>(coordinators_.back())) return;  // of one that was replaced
+  // From a coordinator that was replaced.
+  if (let.follower != caf::actor_cast<caf::actor>(coordinators_.back())) return;
   for (const auto& [home, node] : nodes_) {
     if (caf::actor_cast<caf::actor>(node) != let.node || given_up_.contains(home)) continue;
     tell("node " + to_string(home) + " leaves");

@@ -1,4 +1,4 @@
-// All processes of a run from their start to their end, and what befalls them meanwhile.
+// One life of a run: all its processes from their start to their end, and the faults that befall them.
 #pragma once
 
 #include <caf/all.hpp>
@@ -23,20 +23,22 @@
 namespace tessera {
 
 struct Outcome {
-  std::string failure;  // of the harness: what must not be
+  std::string failure;  // of the harness: something that must not happen
   std::optional<RunEnded> ended;
   std::uint64_t steps = 0, updates = 0, epochs = 0;
 };
 
-// What ends a life early.
+// How a life ends early.
 enum class End : std::uint8_t { never, cancel, kill };
 
+// A run of all processes under one scheduler. Used once.
 class Life final : private Misfortune {
  public:
-  // All outlive it.
+  // All arguments outlive this object.
   Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, LaterStages* later,
        std::mt19937_64& rng);
-  // Once.
+  // Runs until the run has ended, or until the step `end_at`, at which it is cancelled or killed as `end` says. Called
+  // once.
   Outcome live(End end, std::uint64_t end_at);
 
  private:
@@ -51,7 +53,7 @@ class Life final : private Misfortune {
    private:
     std::optional<RunEnded> end_;
   };
-  // Whom the coordinator tells that a node may go.
+  // The actor that the coordinator tells that a node may go.
   class Usher final : public UsherHandle::base {
    public:
     Usher(caf::actor_config& config, Life& life) : UsherHandle::base(config), life_(life) {}
@@ -88,7 +90,7 @@ class Life final : private Misfortune {
   CoordinatorOptions coordinator_options();
   void believed_quiet(const RoutingTable& table);
   bool step();
-  bool nobody_is_left() const;  // that works, or could
+  bool nobody_is_left() const;  // no node is left that works, or could work
   void end_all();
   const std::optional<RunEnded>& ended() const;
   void tell(const std::string& what) const;
@@ -96,22 +98,24 @@ class Life final : private Misfortune {
   const HarnessOptions& options_;
   const Setting& setting_;
   MemoryStorage& storage_;
-  LaterStages* later_;  // null: there is none
+  LaterStages* later_;  // null: there are no later stages
   std::mt19937_64& rng_;
   std::vector<Truth> truths_;  // by stage
   NetworkState network_state_;
   Outcome outcome_;
-  std::vector<std::unique_ptr<Owner>> owners_;  // beside the coordinators
+  std::vector<std::unique_ptr<Owner>> owners_;  // one for each coordinator
   Config config_;
   caf::actor_system system_;
   SeededScheduler& scheduler_;
   NetworkHandle network_;
   UsherHandle usher_;
   std::map<NodeId, NodeHandle> nodes_;
-  std::set<NodeId> given_up_;  // and those that no coordinator begins with
-  std::set<NodeId> leaving_;   // of the others: each coordinator is told of them
-  bool began_alone_ = false;   // the coordinator in office: one that cannot be used would be all it has
-  std::vector<CoordinatorHandle> coordinators_;  // the last is in office
+  std::set<NodeId> given_up_;  // also nodes that no coordinator begins with
+  std::set<NodeId> leaving_;   // of the other nodes; each coordinator is told of them
+  // The coordinator in office began without nodes. It is not told of nodes that cannot be used, because such a node
+  // would be the only one that it has.
+  bool began_alone_ = false;
+  std::vector<CoordinatorHandle> coordinators_;  // the last one is in office
 };
 
 }  // namespace tessera

@@ -7,8 +7,8 @@ namespace tessera {
 namespace {
 
 constexpr std::uint64_t events_max = 4;
-constexpr std::uint64_t steps_between = 400;  // at most; and until it is noticed:
-constexpr std::uint64_t steps_unnoticed = 150;
+constexpr std::uint64_t steps_between = 400;    // at most, from one event to the next
+constexpr std::uint64_t steps_unnoticed = 150;  // at most, until a loss is noticed
 
 }  // namespace
 
@@ -44,7 +44,7 @@ Losses::Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64
         leave_one(step);
         break;
       case Kind::coordinator:
-        step = std::max(step, replaced_);  // one after the other
+        step = std::max(step, replaced_);  // coordinators are replaced one after the other
         replace_coordinator(step);
         if (draw(2) == 0) add({replaced_ + draw(steps_between), What::coordinators_go_on, {}});
         break;
@@ -71,7 +71,7 @@ Losses::There Losses::take_any() {
   return one;
 }
 
-// Any but the last.
+// Loses any node, but never the last one.
 void Losses::lose_one(std::uint64_t step, bool stops, bool goes_on) {
   const std::uint64_t unnoticed = draw(steps_unnoticed);
   if (there_.size() < 2) return;
@@ -82,7 +82,7 @@ void Losses::lose_one(std::uint64_t step, bool stops, bool goes_on) {
   if (goes_on) add({step + draw(steps_between), What::go_on, node});
 }
 
-// If it is the last, another one comes before, meanwhile or after.
+// When the last node leaves, another one comes before, meanwhile or after.
 void Losses::leave_one(std::uint64_t step) {
   const bool last = there_.size() == 1;
   const There one = take_any();
@@ -90,7 +90,7 @@ void Losses::leave_one(std::uint64_t step) {
   add({std::max(step, one.since), What::leave, one.node});
 }
 
-// Another one comes before, meanwhile or after: it may just be opening its part.
+// Another node comes before, meanwhile or after. It may be opening its share just then.
 void Losses::lose_last(std::uint64_t step) {
   const std::vector<There> lost = std::exchange(there_, {});
   for (const There& one : lost) step = std::max(step, one.since);
@@ -103,7 +103,7 @@ void Losses::lose_last(std::uint64_t step) {
   }
 }
 
-// As many come as there were.
+// As many nodes come as there were.
 void Losses::lose_all(std::uint64_t step, bool coordinator) {
   const std::vector<There> lost = std::exchange(there_, {});
   for (const There& one : lost) step = std::max(step, one.since);
@@ -112,7 +112,8 @@ void Losses::lose_all(std::uint64_t step, bool coordinator) {
     add({coordinator ? step : step + draw(steps_unnoticed), coordinator ? What::lose : What::give_up, node});
     come(step + draw(steps_unnoticed));
   }
-  if (coordinator) replace_coordinator(step);  // after them: whoever takes over does not begin with them
+  // Added after the losses, so that the new coordinator does not begin with the lost nodes.
+  if (coordinator) replace_coordinator(step);
 }
 
 void Losses::replace_coordinator(std::uint64_t step) {
@@ -121,7 +122,7 @@ void Losses::replace_coordinator(std::uint64_t step) {
   add({replaced_, What::take_over, {}});
 }
 
-// Those of one step in the order in which they were drawn: a node joins before it is lost.
+// Events of one step keep the order in which they were drawn, so a node joins before it is lost.
 void Losses::add(Event event) {
   any_ = true;
   events_.insert(std::upper_bound(events_.begin(), events_.end(), event,

@@ -1,6 +1,6 @@
-// What befalls the nodes of a run, drawn in advance, by the step at which it happens: some are killed, some stop for a
-// while and go on after they have been given up, some are given up while they work, others join, or leave in order; all
-// are lost, and others come; the coordinator stops, another one takes over, and the first goes on after that.
+// The faults of nodes in a run. They are drawn in advance, each with the step at which it happens. Nodes are killed;
+// stop for a while and go on; are given up while they work; join; leave in order; or all of them are lost, and others
+// come. The coordinator stops, another one takes over, and the first one may go on after that.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace tessera {
 
-// Whom it befalls. Nodes are numbered in the order in which they come.
+// Receives the faults. Nodes are numbered in the order in which they come.
 class Misfortune {
  public:
   virtual ~Misfortune() = default;
@@ -22,8 +22,8 @@ class Misfortune {
   virtual void give_up(NodeId node) = 0;
   virtual void join(NodeId node) = 0;
   virtual void leave(NodeId node) = 0;
-  virtual void join_in_vain(NodeId node) = 0;  // it cannot open its part
-  virtual void lose(NodeId node) = 0;          // with whoever would notice
+  virtual void join_in_vain(NodeId node) = 0;  // the node cannot open its share
+  virtual void lose(NodeId node) = 0;          // and the coordinator, which would notice it, too
   virtual void stop_coordinator() = 0;
   virtual void take_over() = 0;
   virtual void coordinators_go_on() = 0;  // those that were stopped
@@ -31,14 +31,14 @@ class Misfortune {
 
 class Losses {
  public:
-  // At least one node is there in the end.
+  // Draws the faults. At least one usable node is there in the end.
   Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64& rng);
 
-  // What is due at this step.
+  // Makes happen what is due by this step.
   void befall(std::uint64_t step, Misfortune& whom);
-  // When nothing else can happen: the step of what comes next. None: all is over.
+  // Returns the step of the next event, for when nothing else can happen. Empty: there are no more events.
   std::optional<std::uint64_t> next_step() const;
-  // Whether there was, or will be, anything.
+  // Returns whether there was, or will be, any event.
   bool any() const { return any_; }
 
  private:
@@ -71,13 +71,13 @@ class Losses {
   std::mt19937_64& rng_;
   struct There {
     NodeId node;
-    std::uint64_t since = 0;  // step
+    std::uint64_t since = 0;  // the step since which it is there
   };
   There take_any();
   std::vector<There> there_;
-  std::uint32_t numbered_;      // nodes so far
-  std::uint64_t replaced_ = 0;  // when the last coordinator is
-  std::vector<Event> events_;   // by step
+  std::uint32_t numbered_;      // number of nodes so far
+  std::uint64_t replaced_ = 0;  // the step at which the last coordinator takes over
+  std::vector<Event> events_;   // sorted by step
   bool any_ = false;
 };
 

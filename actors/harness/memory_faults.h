@@ -1,4 +1,4 @@
-// Memory that runs out in the middle of a run: what the harness must be told of it, and tells.
+// Makes memory run out in the middle of a run: the interface between the harness and the test's allocator.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,14 @@ namespace tessera {
 class MemoryFaults {
  public:
   virtual ~MemoryFaults() = default;
-  // Whose code runs from now on: that under test, or the harness's own, which always has memory. Returns whose ran.
+  // Says which code runs from now on: the code under test, or that of the harness, which always has memory. Returns
+  // what was set before.
   virtual bool under_test(bool now) = 0;
-  // How many allocations have failed so far.
+  // Returns how many allocations have failed so far.
   virtual std::uint64_t failed() const = 0;
 };
 
-// For a while it is the turn of the code under test, or of the harness.
+// Sets, for its lifetime, whether the code under test or the harness runs. `faults` may be null.
 class Turn {
  public:
   Turn(MemoryFaults* faults, bool under_test)

@@ -143,7 +143,7 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
     store_mesh({node_, tile, std::move(collected).whole(early.vertices, early.neighbors), std::move(done)});
   }
 
-  // Kept as the mesh that follows, which must be what was counted.
+  // Keeps the mesh that follows from the points, after a check that it is what was counted.
   void store_points(TileId tile, PointsOfTile kept, Finished::Stored done) override {
     const Turn ours(all_.memory_faults, false);
     const int dimension = all_.dimension_;
@@ -231,7 +231,7 @@ void MemoryStorage::forget_settled(std::uint32_t stage) {
 
 void MemoryStorage::store_now(Pending pending) {
   const Turn ours(memory_faults, false);
-  // As a writer does: nothing that goes wrong is thrown at whoever waits.
+  // As a writer does: no exception reaches the caller.
   Status stored = success();
   try {
     stored = maybe_fail(StorageFault::Call::store);

@@ -1,5 +1,4 @@
-// What tiles leave behind, in memory: it outlives the harness's processes as a disk would, and fails when it is told
-// to.
+// Storage for tiles, in memory. It outlives the simulated processes, as a disk would, and fails when it is told to.
 #pragma once
 
 #include <compare>
@@ -19,7 +18,7 @@
 
 namespace tessera {
 
-// The k-th call of a kind fails once.
+// A fault: the call of this kind after `countdown` others fails, once.
 struct StorageFault {
   enum class Call : std::uint8_t { load, write, append, read, remove, store };
   enum class How : std::uint8_t { error, exception, no_memory };
@@ -28,48 +27,50 @@ struct StorageFault {
   std::uint64_t countdown = 0;
 };
 
-// What all nodes see, as a shared folder: points, what makes tiles independent, results; and the scratch of each node,
-// which no other reads.
+// What all nodes see, as a shared folder (points, what makes tiles independent, results), and the scratch of each node,
+// which no other node reads.
 class MemoryStorage {
  public:
   MemoryStorage(int dimension, std::vector<std::vector<LocalPoint>> points);
   ~MemoryStorage();
 
-  // As a node sees it. It outlives the parts that use it.
+  // Returns the storage as a node sees it. It outlives the shares that use it.
   TileStorage& at(NodeId node, std::uint32_t stage = 0);
   DelaunayStore& store_at(NodeId node);
-  // What makes tiles independent in a stage goes.
+  // Removes what makes tiles independent in a stage.
   void forget_settled(std::uint32_t stage);
 
-  // Meshes that wait to be stored, as long as nobody calls store_one(). False when there are none.
+  // Late stores: finished tiles wait until store_one() is called, which stores a random one of them. It returns false
+  // when none waits.
   bool late_stores = false;
   bool store_one(std::mt19937_64& rng);
-  // What is on its way is lost with the process, which ends in order. False when nothing was.
+  // The process ends in order, and tiles that wait to be stored are lost. Returns false when there were none.
   bool lose_pending();
-  // One thing on scratch, chosen at random, cannot be read from now on.
+  // Damages one thing on scratch, at random: it cannot be read from now on.
   void damage(std::mt19937_64& rng);
 
   std::optional<StorageFault> fault;
   MemoryFaults* memory_faults = nullptr;
-  std::uint32_t settled = 0;  // so many stages of the run: its markers
-  // Nodes have scratch of their own: when that fails, others can go on.
+  std::uint32_t settled = 0;  // number of settled stages: the markers of the run
+  // Nodes have scratch of their own. When the scratch of one fails, others can go on.
   bool many_nodes = false;
-  const std::set<NodeId>& failed() const { return failed_; }  // those whose scratch has
+  const std::set<NodeId>& failed() const { return failed_; }  // nodes whose scratch has failed
 
   const std::map<TileId, TileMesh>& meshes() const { return meshes_; }
   std::vector<TileReceipt> stored() const;
-  // Whether any mail is left.
+  // Returns whether any mail is left.
   bool holds_mail() const;
   std::uint64_t spills() const { return spills_; }
-  // How often a tile's points, or its scratch of one kind, were read at most since this was asked last.
+  // Returns how often one tile's points, or its scratch of one kind, were read at most since the last call.
   std::uint64_t take_reads();
-  // How often a tile has begun from its points at most since this was asked last, and not from what was handed over.
+  // Returns how often one tile has begun from its points, and not from what was handed over, at most since the last
+  // call.
   std::uint64_t take_begun();
 
  private:
   class AtNode;
   struct Place {
-    std::optional<NodeId> node;  // none: all see it
+    std::optional<NodeId> node;  // none: all nodes see it
     TileId tile;
     ScratchKind what = ScratchKind::state;
     std::uint32_t stage = 0;
@@ -90,14 +91,14 @@ class MemoryStorage {
     Finished::Stored done;
   };
   Status maybe_fail(StorageFault::Call call);
-  // On the scratch of a node, which is not asked any more when it has failed.
+  // The same for the scratch of a node. Notes that the scratch has failed.
   Status maybe_fail(StorageFault::Call call, NodeId node, ScratchKind what);
   void store_now(Pending pending);
 
   int dimension_;
   std::vector<std::vector<LocalPoint>> points_;
   std::map<Place, Scratch> scratch_;
-  std::map<std::pair<TileId, NodeId>, Early> early_;  // all see them
+  std::map<std::pair<TileId, NodeId>, Early> early_;  // visible to all nodes
   AtNode& view_of(NodeId node, std::uint32_t stage);
 
   std::map<std::pair<NodeId, std::uint32_t>, std::unique_ptr<AtNode>> views_;
@@ -105,7 +106,7 @@ class MemoryStorage {
   std::map<TileId, TileMesh> meshes_;
   std::uint64_t spills_ = 0;
   std::set<NodeId> failed_;
-  // By stage. No kind: of its points.
+  // By stage, tile and kind of scratch; no kind: the tile's points.
   std::map<std::tuple<std::uint32_t, TileId, std::optional<ScratchKind>>, std::uint64_t> reads_;
   std::map<std::pair<std::uint32_t, TileId>, std::uint64_t> begun_;
 };

@@ -1,9 +1,9 @@
-// The harness's network: holds every parcel for a random while and delivers in random order. Quiescence must not be
+// The harness's network: it holds every packet for a random time, and delivers in random order. Quiescence must not be
 // believed while it holds anything.
 //
-// message     | effect
-// part, Parcel | keep it; ask myself for a delivery later
-// deliver     | with some luck pass one parcel on, any of them; else try again later
+// message       | effect
+// share, Packet | keep the packet, and send a tick to itself
+// tick          | with some luck deliver one packet, any of them; else try again later
 #pragma once
 
 #include <caf/all.hpp>
@@ -25,7 +25,7 @@ struct NetworkState {
 class Network : public NetworkHandle::base {
  public:
   using Trace = std::function<void(const std::string&)>;
-  // `patience`: a held parcel is passed over up to this many times on average. `state` outlives the network.
+  // A held packet is passed over `patience` times on average. `state` outlives the network.
   Network(caf::actor_config& config, NetworkState& state, Trace trace, std::uint64_t seed, std::uint32_t patience);
   behavior_type make_behavior() override;
   void on_exit() override;
@@ -35,7 +35,7 @@ class Network : public NetworkHandle::base {
   Trace trace_;
   std::mt19937_64 rng_;
   std::uint32_t patience_;
-  std::vector<std::pair<caf::actor, Packet>> held_;  // and whom it is for
+  std::vector<std::pair<caf::actor, Packet>> held_;  // with the receiver of each
 };
 
 }  // namespace tessera

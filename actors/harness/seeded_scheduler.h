@@ -1,4 +1,4 @@
-// Runs actors one message at a time, in an order that is drawn. Needs no memory while it does.
+// Runs actors one message at a time, in a random order. Takes no memory while it does so.
 #pragma once
 
 #include <caf/all.hpp>
@@ -15,13 +15,13 @@ class SeededScheduler final : public caf::scheduler::test_coordinator {
  public:
   explicit SeededScheduler(caf::actor_system& system);
 
-  // Has a random ready actor handle one message. False when none is ready.
+  // Has a random ready actor handle one message. Returns false when none is ready.
   bool step(std::mt19937_64& rng);
-  // Whether the actors of a home are left out: it has stopped, or is no more.
+  // Leaves out the actors of a home, because its process has stopped or is gone. thaw() takes that back.
   void freeze(NodeId home) { frozen_.insert(home); }
   void thaw(NodeId home) { frozen_.erase(home); }
   void thaw() { frozen_.clear(); }
-  // Goes on until nothing is ready.
+  // Runs until no actor is ready, frozen ones included.
   void run_all();
 
   void enqueue(caf::resumable* job) override;

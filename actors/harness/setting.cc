@@ -68,10 +68,10 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   auto [own, tile_bounds, known] = cut(s.cloud, partition);
   s.tiles = std::move(own);
   switch (rng() % 4) {
-    case 0:  // none but those that are needed
+    case 0:  // only those that the proof needs
       std::erase_if(known, [](const Seed& seed) { return !std::isinf(seed.reach); });
       break;
-    case 1:  // any points, each known as far as it happens to be
+    case 1:  // any points, each known in a random radius
       add_random_seeds(s.cloud, partition, rng, known);
       break;
     default:
@@ -83,14 +83,16 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.stage.early_unit = 1 + rng() % 3;
   s.stage.boxes = final_boxes(cells);
   auto neighbours = touching_tiles(partition, tile_bounds);
-  if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});  // no directed exchange: everything hangs on the rule
+  // No first exchange: the result depends on the rule alone.
+  if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});
   s.stage.around = std::make_shared<const KnownFromStart>(std::move(tile_bounds), neighbours, std::move(known));
   constexpr std::uint64_t mail_bounds[] = {0, 120, 800, ~std::uint64_t{0}};
   s.context.mail_bytes_max = options.mail_bytes_max.value_or(mail_bounds[rng() % 4]);
   s.schedule.threads = 1 + static_cast<std::uint32_t>(rng() % 4);
   s.schedule.begin_bytes = s.schedule.collect_bytes = 1000;
   s.schedule.mail_growth = 2.5;
-  // Every tile sleeps whenever it can; or there is room for half of them, which work beside those that fall asleep.
+  // A budget of 1 makes every tile sleep whenever it can. Half the need leaves room for half of the tiles, beside those
+  // that are falling asleep.
   const std::uint64_t half = s.cloud.size() * s.schedule.begin_bytes / 2;
   const std::uint64_t budgets[] = {1, half, std::uint64_t{1} << 40};
   s.schedule.memory_bytes = budgets[rng() % 3];
@@ -102,10 +104,10 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.tile_points = points_of(s.tiles);
   s.table = std::make_shared<const RoutingTable>(s.spec.table);
   s.context.many_nodes = s.schedule.settle_asleep = s.nodes > 1 || options.faults.nodes();
-  // Some networks are so slow that whole waves pass while an update is on its way.
+  // Some networks are so slow that whole waves pass while an update is under way.
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
   s.late_stores = rng() % 2 == 0;
-  // Nodes that must wait for each other's credit after every few points.
+  // Small windows make nodes wait for each other's credit after every few points.
   if (rng() % 2 == 0) s.outboxes = {.window_bytes = 800, .parcel_bytes = 300};
   s.stage.kind = rng() % 3 == 0 ? TileKind::points : TileKind::cells;
   return s;
@@ -132,7 +134,7 @@ Result<std::unique_ptr<Share>> MemoryShares::open(const ShareSpec& spec, NodeId 
     one.context.storage = &storage_.at(home_, stage);
     one.context.programs = programs(*part, stage);
     one.context.watch = watches_.at(stage);
-    // As from disk: it was for tiles that are no more.
+    // As after a restart with a disk: that mail was for incarnations that are dead.
     BOOST_OUTCOME_TRYV(one.context.storage->clear(ScratchKind::mail));
   }
   part->table = spec.table == *setting_.table ? setting_.table : std::make_shared<const RoutingTable>(spec.table);

@@ -1,4 +1,4 @@
-// What one seed of the harness runs: a cloud cut into tiles, and the circumstances.
+// What one seed of the harness runs: a cloud that is cut into tiles, and the circumstances.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace tessera {
 struct Setting {
   std::vector<LocalPoint> cloud;
   std::vector<std::vector<LocalPoint>> tiles;
-  std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // how many these are
+  std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // number of points of each tile
   ShareSpec spec;
-  std::shared_ptr<const RoutingTable> table;  // of the spec
+  std::shared_ptr<const RoutingTable> table;  // the table of `spec`
   std::uint32_t nodes = 1;
   DelaunayStage stage;  // without storage, store and stop
   TileContext context;  // without programs, storage and watch
@@ -30,7 +30,7 @@ struct Setting {
   bool late_stores = false;
 };
 
-// A cloud as production cuts it, and the seeds it finds. By tile.
+// A cloud cut into tiles as production does it, and the seeds that production finds. Both arrays are by tile.
 struct CutCloud {
   std::vector<std::vector<LocalPoint>> tiles;
   std::vector<Bounds> bounds;
@@ -38,15 +38,16 @@ struct CutCloud {
 };
 CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition);
 
+// Returns the number of points of each tile.
 std::shared_ptr<const std::vector<std::uint64_t>> points_of(const std::vector<std::vector<LocalPoint>>& tiles);
 
 Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng);
 
-// Parts whose points and scratch are in memory.
+// Opens shares whose points and scratch are in memory.
 class MemoryShares final : public ShareSource {
  public:
-  // `home`: whose scratch it is, whatever number the node has in the job. `watches`: by stage; they may be null.
-  // `later`: null, there is none. All outlive this.
+  // `home` is the node whose scratch is used, whatever number the node has in the job. `watches` is by stage; entries
+  // may be null. `later` is null when there are no later stages. All arguments outlive this object.
   MemoryShares(const Setting& setting, MemoryStorage& storage, std::vector<ExchangeWatch*> watches, NodeId home,
                LaterStages* later = nullptr)
       : setting_(setting), storage_(storage), watches_(std::move(watches)), home_(home), later_(later) {}

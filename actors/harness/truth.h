@@ -1,4 +1,4 @@
-// The truth about updates, beside what the tiles count.
+// Counts the updates by itself, to check what the tiles count and when quiescence is believed.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ class Truth final : public ExchangeWatch {
     note(self, now);
   }
 
-  // Updates that have been sent and not processed, between tiles that live by this table.
+  // Returns how many updates were sent and not processed between tiles that live by this table.
   std::int64_t under_way(const RoutingTable& table) const {
     std::int64_t sum = 0;
     for (const auto& [pair, updates] : by_pair_) {
@@ -44,8 +44,9 @@ class Truth final : public ExchangeWatch {
     return sum;
   }
   std::uint64_t sent() const { return sent_; }
-  // Whether the counters of all tiles differ by what is under way, as long as none has forgotten what it exchanged with
-  // the dead: a node that cannot open its part is lost, too.
+  // Returns whether the counters of all tiles differ by the number of updates under way. Always true once a tile has
+  // forgotten what it exchanged with a dead one, as after a loss; a node that cannot open its share counts as lost,
+  // too.
   bool agrees() const { return forgotten_ || counted_ == under_way_; }
 
  private:

@@ -1,5 +1,5 @@
-// What can be asked of the library beside the points. Classes with a function for each option, and nothing else that a
-// program could see: a new option is a new function, and programs built before it run as they did.
+// The options of the library's functions. Each class has one function for each option, which returns *this. The classes
+// show programs nothing else. So later versions can add options, and programs that are already built still run.
 //
 //   tessera::triangulate({"block/*.laz"}, tessera::TriangulationOptions().dimension(2).classes({2, 9}));
 #pragma once
@@ -16,7 +16,7 @@
 
 namespace tessera {
 
-// How far a job is. Only the library makes them: later versions may append members.
+// The progress of a job. Only the library makes objects of this type, and later versions may append members.
 struct JobProgress {
   std::string phase;  // "planning", "routing", "triangulating", "splaying", "collecting", "finishing", "done"
   std::uint64_t points_total = 0;  // 0 while unknown
@@ -25,7 +25,8 @@ struct JobProgress {
   double seconds = 0;  // since the job began
 };
 
-// The options of `tessera triangulate`. What makes no sense is told by the call that is given them.
+// The options of `tessera triangulate`. The function that gets the options reports values that make no sense, with a
+// Failure (usage).
 class TESSERA_PUBLIC TriangulationOptions {
  public:
   TriangulationOptions();
@@ -33,70 +34,75 @@ class TESSERA_PUBLIC TriangulationOptions {
   TriangulationOptions& operator=(const TriangulationOptions&);
   ~TriangulationOptions();
 
-  // 2 or 3, the default; 0, for files only: 2 when no file holds z.
+  // 2 or 3; 3 by default. For files also 0: 2 if no file has z, else 3.
   TriangulationOptions& dimension(int dimension);
 
-  // The result folder, which stays. Empty: a temporary folder under std::filesystem::temp_directory_path(), removed
+  // The result folder, which stays. Empty, the default: a folder in the system's temporary folder, which is removed
   // with the last copy of the Triangulation.
   TriangulationOptions& folder(const std::filesystem::path& folder);
-  // Replace an earlier result in the folder.
+  // Replaces an earlier result in the folder.
   TriangulationOptions& overwrite(bool overwrite);
-  // Go on with the unfinished run in the folder, of the same points and options, or start one; and leave what there is
-  // of this run in the folder when it is stopped. REQUIRES: folder().
+  // Continues the unfinished run in the folder, or starts one. An unfinished run must have the same points and options.
+  // If this run is stopped, it stays in the folder and can be continued, too. REQUIRES: folder(). For files only.
   TriangulationOptions& resume(bool resume);
 
-  // 0: chosen from memory and threads. One of these two.
+  // How many points a tile has at most, or how many tiles there are. Only one of the two may be given. 0, the default:
+  // chosen from memory and threads.
   TriangulationOptions& max_points_per_tile(std::uint64_t points);
   TriangulationOptions& tiles(std::uint32_t tiles);
-  // "kdtree", the default, "grid", "octree" or "random".
+  // How space is cut into tiles: "kdtree", the default, "grid", "octree" or "random".
   TriangulationOptions& partition(const std::string& kind);
-  // 0: all that this process may use.
+  // 0, the default: all processors that this process may use.
   TriangulationOptions& threads(std::uint32_t threads);
-  // 0: 70 % of what is free.
+  // 0, the default: 70 % of the free memory.
   TriangulationOptions& memory_bytes(std::uint64_t bytes);
-  // Keep the neighbours of cells (the default).
+  // Stores the neighbours of cells (the default).
   TriangulationOptions& neighbors(bool neighbors);
 
-  // What is stored: "cells"; "points", a tenth of the bytes, from which cells are made again when they are asked for;
-  // or "auto", the default: points for clouds of more than 50 million.
+  // What is stored: "cells"; "points", which takes a tenth of the bytes, and cells are made again when they are read;
+  // or "auto", the default: points for clouds of more than 50 million points, else cells.
   TriangulationOptions& store(const std::string& what);
 
-  // Leave points with NaN or infinite coordinates out, do not fail.
+  // Leaves out points with NaN or infinite coordinates. By default such a point is a Failure (bad_input).
   TriangulationOptions& skip_invalid(bool skip_invalid);
-  // xmin, ymin, xmax, ymax, or in 3D xmin, ymin, zmin, xmax, ymax, zmax: points outside are left out, those on the
-  // boundary are not. Empty, the default: no crop.
+  // Leaves out points outside the closed box: xmin, ymin, xmax, ymax (any z), or in 3D also xmin, ymin, zmin, xmax,
+  // ymax, zmax. Empty, the default: no crop.
   TriangulationOptions& crop(std::vector<double> box);
-  // The coordinate system of all points, whatever the files say: "EPSG:n", WKT, or a file with one of them. Empty: what
-  // the files say.
+  // The coordinate system of all points, in place of what the files say: "EPSG:n", WKT, or the name of a file with one
+  // of them. Empty, the default: what the files say.
   TriangulationOptions& crs(const std::string& crs);
-  // 2D: of points with equal x and y the "first", which is the default, "last", "lowest" or "highest" is the vertex.
+  // 2D: which of several points with equal x and y becomes the vertex: the "first" (the default), "last", "lowest" or
+  // "highest".
   TriangulationOptions& keep(const std::string& which);
 
-  // The following are for files alone.
-  // In 2D, keep z as the attribute "z" (the default).
+  // The following options are for files; heights() and attributes() also for Records.
+
+  // 2D: keeps z as the attribute "z" (the default).
   TriangulationOptions& heights(bool heights);
-  // Points of these LAS classes only; empty: all.
+  // Takes only points of these LAS classes, 0 to 255. Empty, the default: all.
   TriangulationOptions& classes(std::vector<int> classes);
-  // Of each pulse the "first", "last" or "single" return only; "all", the default.
+  // Takes only the "first", "last" or "single" return of each laser pulse; "all", the default, takes all.
   TriangulationOptions& returns(const std::string& which);
-  // No points with one of these flags: "withheld", "synthetic", "overlap", "key_point".
+  // Leaves out points that have one of these LAS flags: "withheld", "synthetic", "overlap", "key_point".
   TriangulationOptions& without(std::vector<std::string> flags);
-  // Text and NumPy: what the columns are, in their order, whatever the files say: "x", "y", "z", the name of an
-  // attribute, or "_" to leave one out. Empty: what the files say.
+  // Text and NumPy files: the names of the columns in order, in place of those in the files: "x", "y", "z", the name of
+  // an attribute, or "_" for a column to leave out. Empty, the default: what the files say.
   TriangulationOptions& columns(std::vector<std::string> names);
-  // COPC: the octree levels down to the first whose points are at most so far apart, and no finer; 0: all.
+  // COPC files: reads the octree levels down to the first level whose points are at most so far apart, and no finer
+  // ones. 0, the default: all levels.
   TriangulationOptions& resolution(double distance);
-  // Of the points, to be kept; "all" for all there are.
+  // The attributes of the points that the result keeps; {"all"} keeps all.
   TriangulationOptions& attributes(std::vector<std::string> names);
-  // Take the files in subfolders of folders, too.
+  // Takes the files in subfolders of input folders, too.
   TriangulationOptions& recursive(bool recursive);
-  // A text file that names more inputs, one a line; relative ones begin at its folder.
+  // A text file that names more inputs, one a line. Relative names are relative to the folder of this file.
   TriangulationOptions& input_list(const std::filesystem::path& file);
 
-  // Called some ten times a second, and once at the end, in the thread that called triangulate(). An exception ends the
-  // job, and comes out of triangulate(). Of an unfinished job nothing stays in the folder, unless it is to be resumed.
+  // `progress` is called some ten times a second, and once at the end, in the thread that called triangulate(). If
+  // `progress` throws, the job ends and triangulate() throws the same exception. An unfinished job leaves nothing in
+  // the folder, except with resume().
   TriangulationOptions& progress(std::function<void(const JobProgress&)> progress);
-  // Called in that thread, at the end, with each sentence about what is doubtful in the input.
+  // `warning` is called in the same thread, at the end, once for each sentence about something doubtful in the input.
   TriangulationOptions& warning(std::function<void(const std::string&)> warning);
   TriangulationOptions& stop(std::stop_token stop);
 
@@ -106,7 +112,7 @@ class TESSERA_PUBLIC TriangulationOptions {
   std::unique_ptr<Impl> impl_;
 };
 
-// How a result is written for other programs.
+// The options of Triangulation::export_to(), which writes a result for other programs.
 class TESSERA_PUBLIC ExportRequest {
  public:
   ExportRequest();
@@ -114,21 +120,23 @@ class TESSERA_PUBLIC ExportRequest {
   ExportRequest& operator=(const ExportRequest&);
   ~ExportRequest();
 
-  // "ply", "vtu", "gpkg", ... (docs/formats.md); empty: as the ending of the target says.
+  // "ply", "vtu", "gpkg", ... (docs/formats.md). Empty, the default: the format of the target's ending.
   ExportRequest& format(const std::string& format);
-  // 2D: the attribute "z", if there is one, becomes the third coordinate (the default).
+  // 2D: the attribute "z", if the result has it, becomes the third coordinate (the default).
   ExportRequest& heights(bool heights);
-  // GeoPackage: write a spatial index (the default). Without it writing is four times as fast, but maps are slow.
+  // GeoPackage: writes a spatial index (the default). Writing is four times as fast without an index, but maps are
+  // slow.
   ExportRequest& index(bool index);
-  // Leave out cells with an edge longer than this, in units of the coordinates (2D: in the plane), and vertices that no
-  // cell has then. Finite and above 0.
+  // Leaves out cells with an edge longer than `length`, and vertices that then have no cell. `length` is in units of
+  // the coordinates (2D: in the plane), finite and above 0.
   ExportRequest& max_edge(double length);
-  // ply, obj, off: coordinates count from the whole-numbered corner of the box, for programs that keep floats of 32
-  // bits.
+  // ply, obj, off, stl: writes coordinates relative to the lower corner of the box, rounded down to whole numbers, for
+  // programs that keep 32-bit floats.
   ExportRequest& local(bool local);
-  // Replace files of the same names.
+  // Replaces existing files of the same names.
   ExportRequest& overwrite(bool overwrite);
-  // Told now and then which part is done, 0 to 1, in the thread that called. An exception ends the work, and comes out.
+  // `progress` is called now and then with the fraction that is done, 0 to 1, in the thread that called export_to().
+  // If `progress` throws, the export ends and export_to() throws the same exception.
   ExportRequest& progress(std::function<void(double)> progress);
   ExportRequest& stop(std::stop_token stop);
 
@@ -138,7 +146,7 @@ class TESSERA_PUBLIC ExportRequest {
   std::unique_ptr<Impl> impl_;
 };
 
-// How a result is proved.
+// The options of Triangulation::verify().
 class TESSERA_PUBLIC VerifyRequest {
  public:
   VerifyRequest();
@@ -146,11 +154,11 @@ class TESSERA_PUBLIC VerifyRequest {
   VerifyRequest& operator=(const VerifyRequest&);
   ~VerifyRequest();
 
-  // For facets before they are sorted on disk; 0: 70 % of what is free.
+  // The memory for facets; more facets are sorted on disk. 0, the default: 70 % of the free memory.
   VerifyRequest& memory_bytes(std::uint64_t bytes);
-  // Where to sort them; empty: the system's temporary folder.
+  // The folder in which facets are sorted. Empty, the default: the system's temporary folder.
   VerifyRequest& scratch(const std::filesystem::path& folder);
-  // Also build the whole triangulation with CGAL in memory, and compare the sets of cells.
+  // Also triangulates all points with CGAL in memory, and compares the two sets of cells.
   VerifyRequest& against_cgal(bool against_cgal);
   VerifyRequest& stop(std::stop_token stop);
 
@@ -160,7 +168,7 @@ class TESSERA_PUBLIC VerifyRequest {
   std::unique_ptr<Impl> impl_;
 };
 
-// What is measured of a result.
+// The options of Triangulation::measure(): what is measured.
 class TESSERA_PUBLIC MeasureRequest {
  public:
   MeasureRequest();
@@ -168,11 +176,11 @@ class TESSERA_PUBLIC MeasureRequest {
   MeasureRequest& operator=(const MeasureRequest&);
   ~MeasureRequest();
 
-  // The volume of each cell, and of each vertex that of the cells around it; in 2D areas in the plane.
+  // The volume of each cell, and for each vertex the sum of the volumes of its cells; in 2D areas in the plane.
   MeasureRequest& volume(bool volume);
-  // For tiles; 0: 70 % of what is free.
+  // The memory for tiles; 0, the default: 70 % of the free memory.
   MeasureRequest& memory_bytes(std::uint64_t bytes);
-  // 0: all processors.
+  // 0, the default: all processors.
   MeasureRequest& threads(unsigned threads);
   MeasureRequest& stop(std::stop_token stop);
 

@@ -1,5 +1,6 @@
-// Questions to a finished result: which cell has a point, what is around a vertex, which cells meet a box or polygons,
-// and values between the vertices. Exact, and from as few tiles as an answer needs (docs/queries.md).
+// Questions to a finished result: which cell contains a point, what is around a vertex, which cells meet a box or
+// polygons, and what the values between vertices are. Answers are exact, and a question reads only the tiles that its
+// answer needs (docs/queries.md).
 #pragma once
 
 #include <array>
@@ -18,63 +19,71 @@
 
 namespace tessera {
 
-// Of n points, with d dimensions; -1 in all of them for a point outside the hull. Programs have the sizes of this
-// struct and of those below compiled in: they stay as they are.
+// In this file a source index is the rank of a point in the input, counted from 0 (Tile::ids()), and d is the dimension
+// of the result. Programs are compiled with the sizes of the structs below, so the structs never change.
+
+// The cells that contain n points. All numbers are -1 for a point outside the hull.
 struct Located {
-  std::vector<std::int64_t> tiles;     // n: the main tile of the cell, its Tile::id()
-  std::vector<std::int64_t> cells;     // n: the cell's place in that tile's cells()
-  std::vector<std::int64_t> vertices;  // n x (d+1): the ranks of its vertices in the input, positively oriented
+  std::vector<std::int64_t> tiles;     // n: the main tile of the cell, as Tile::id()
+  std::vector<std::int64_t> cells;     // n: the index of the cell in cells() of that tile
+  std::vector<std::int64_t> vertices;  // n x (d+1): the source indices of the cell's vertices, positively oriented
 };
 
+// A vertex with the m cells around it.
 struct Star {
-  std::uint64_t vertex = 0;  // of equal points the one that was kept
-  std::uint32_t tile = 0;    // that owns it
+  std::uint64_t vertex = 0;  // source index; for a duplicate that of the kept point
+  std::uint32_t tile = 0;    // the owner of the vertex
   std::array<double, 3> point{};
-  // The volume of its Voronoi cell, in 2D the area, in units of the coordinates: infinite for a vertex of the hull.
+  // The volume of the vertex's Voronoi cell, in 2D the area, in units of the coordinates; infinite on the hull.
   double voronoi_volume = 0;
-  std::vector<std::uint64_t> neighbors;   // ranks, ascending
-  std::vector<std::uint64_t> cells;       // m x (d+1) ranks
-  std::vector<std::uint32_t> cell_tiles;  // m: of each cell its main tile
+  std::vector<std::uint64_t> neighbors;   // source indices, ascending
+  std::vector<std::uint64_t> cells;       // m x (d+1): source indices of the vertices of each cell
+  std::vector<std::uint32_t> cell_tiles;  // m: the main tile of each cell
 };
 
-// Of n points. What weighs on values[i] is vertices[k] with weights[k], offsets[i] <= k < offsets[i+1].
+// Values at n points. values[i] is the sum of the values of vertices[k], times weights[k], over all k with
+// offsets[i] <= k < offsets[i+1].
 struct Interpolated {
   std::vector<double> values;           // n; NaN outside the hull
-  std::vector<std::uint64_t> offsets;   // n+1; empty, as those below, when weights were not asked for
-  std::vector<std::uint64_t> vertices;  // ranks
-  std::vector<double> weights;          // they add up to 1 for each point inside the hull
+  std::vector<std::uint64_t> offsets;   // n+1; this array and those below are empty if no weights were asked for
+  std::vector<std::uint64_t> vertices;  // source indices
+  std::vector<double> weights;          // the weights of a point inside the hull add up to 1
 };
 
 enum class Method {
-  linear,   // barycentric, in the cell that has the point
+  linear,   // barycentric, in the cell that contains the point
   natural,  // Sibson's natural neighbours; linear on facets of the hull
 };
 
-// Keeps tiles that were read in memory for the next question. Safe to call at once from several threads; copies share
-// what is in memory. Failure of every call: usage for an argument that makes no sense, corrupt for a damaged tile, io,
-// interrupted when `stop` is requested.
+// Answers questions, and keeps the tiles that it has read in memory for the next question. All functions may be called
+// from several threads at once. Copies share the tiles in memory. Failure of every function: usage for an argument that
+// makes no sense, corrupt for a damaged tile, io, interrupted when `stop` is requested.
 class TESSERA_PUBLIC Questions {
  public:
-  // `memory_bytes`: for tiles; 0: 1 GiB. `threads`: of one question; 0: all processors. Failure: usage for a region.
+  // `memory_bytes` is for the tiles in memory; 0: 1 GiB. `threads` is for each question; 0: all processors. Failure:
+  // also usage for a result that is a region.
   explicit Questions(const Triangulation& triangulation, std::uint64_t memory_bytes = 0, unsigned threads = 0);
 
-  // `points`: n x d coordinates, row after row. Of several cells that have a point it is the one whose sorted ranks
-  // come first, whatever the tiles. Failure: usage for coordinates that are not finite.
+  // Returns the cell that contains each point. `points`: n x d coordinates, row after row. If several cells contain a
+  // point, the answer is the cell whose sorted source indices come first, so the answer does not depend on the tiles.
+  // Failure: also usage for coordinates that are not finite.
   Located locate(std::span<const double> points, std::stop_token stop = {}) const;
-  // `tile`: the one that owns the vertex, if it is known; else tiles are read until it is found. Failure: usage for no
-  // such vertex.
+  // Returns the cells around a vertex. `tile`: the owner of the vertex; if it is not given, tiles are read until the
+  // vertex is found. Failure: also usage for a source index that no point has.
   Star star(std::uint64_t vertex, std::optional<std::uint32_t> tile = {}, std::stop_token stop = {}) const;
-  // All cells that have a point in common with the closed box, d lower bounds, then d upper ones; as one Tile, whose
-  // vertices are all its own, whose cells are all main, and whose neighbours are -1 where there is none among these
-  // cells. Its id() says nothing. Failure: memory for more than `cells_max` cells.
+  // Returns all cells that have a point in common with the closed box: d lower bounds, then d upper bounds. In the Tile
+  // that is returned no vertex is foreign and no cell is a ghost. Its neighbours are -1 where the neighbour is not one
+  // of these cells, and its id() has no meaning. Failure: also memory for more than `cells_max` cells.
   Tile cells_of_box(std::span<const double> box, std::uint64_t cells_max = std::numeric_limits<std::uint64_t>::max(),
                     std::stop_token stop = {}) const;
-  // The same of the polygons of a GeoJSON text, in the coordinates of the result; by the even-odd rule. Failure:
-  // bad_input when it has none.
+  // Returns the same for the polygons of a GeoJSON text, in the coordinates of the result, by the even-odd rule; in 3D
+  // the polygons are prisms without ends. Failure: also bad_input for a text without polygons.
   Tile cells_of_polygons(const std::string& geojson,
                          std::uint64_t cells_max = std::numeric_limits<std::uint64_t>::max(),
                          std::stop_token stop = {}) const;
-  // `value`: an attribute of the vertices; "z" of a 2D result are the heights. Failure: usage when there is none.
+  // Returns the value at each point. `points`: n x d coordinates, row after row. `value`: an attribute of the vertices;
+  // "z" in a 2D result is the height. `weights`: also return the vertices and weights. Failure: also usage for an
+  // attribute that the result does not have.
   Interpolated interpolate(std::span<const double> points, const std::string& value, Method method = Method::linear,
                            bool weights = false, std::stop_token stop = {}) const;
 

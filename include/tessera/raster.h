@@ -17,36 +17,40 @@ namespace tessera {
 class RasterRequest;
 extern template class TESSERA_PUBLIC SurfaceRequest<RasterRequest>;
 
+// Options of draw_raster() and write_raster(). Every function returns *this.
 class TESSERA_PUBLIC RasterRequest : public SurfaceRequest<RasterRequest> {
  public:
   // `res`: the width and height of a pixel, in units of the coordinates, above 0.
   explicit RasterRequest(double res);
 
-  // xmin, ymin, xmax, ymax: what the raster covers; default: the bounds of the result.
+  // The box that the raster covers: xmin, ymin, xmax, ymax. Default: the bounds of the result.
   RasterRequest& bbox(const std::array<double, 4>& box);
-  // A hillshade of the heights, as gdaldem hillshade -compute_edges makes it of the raster, with light from `azimuth`
-  // (degrees from north, clockwise), `altitude` degrees above the horizon: whole numbers from 1 to 255.
+  // Draws a hillshade of the heights instead: the one that gdaldem hillshade -compute_edges makes of the raster. Light
+  // comes from `azimuth`, in degrees clockwise from north, and `altitude`, in degrees above the horizon (above 0, at
+  // most 90). Pixels are whole numbers from 1 to 255.
   RasterRequest& hillshade(double azimuth = 315, double altitude = 45);
-  // Pixels of 64 bits; of 32 by default.
+  // Pixels have 64 bits; by default 32.
   RasterRequest& doubles(bool doubles);
-  // 0: all processors.
+  // 0, the default: all processors.
   RasterRequest& threads(unsigned threads);
 };
 
-// Programs have its size compiled in: it stays as it is.
+// A raster in memory. Programs are compiled with the size of this struct, so it never changes.
 struct Raster {
   std::int64_t width = 0, height = 0;  // in pixels
-  double left = 0, top = 0;            // of its corner, in the coordinates of the result
-  std::uint64_t pixels = 0;            // with a value
-  std::uint64_t left_out = 0;          // cells, for their edges
-  std::vector<double> values;          // height x width, from the top; NaN where there is none
+  double left = 0, top = 0;            // the upper left corner, in the coordinates of the result
+  std::uint64_t pixels = 0;            // the number of pixels with a value
+  std::uint64_t left_out = 0;          // the number of cells that max_edge() left out
+  std::vector<double> values;          // height x width, from the top row down; NaN for pixels without a value
 };
 
-// Which cell has a pixel, and its value, is a function of the triangulation alone, to the last bit. Failure: usage for
-// a 3D result, and when there is no such attribute; corrupt, io, interrupted; memory when it does not fit.
+// Returns the raster. The cell of a pixel and its value depend on the triangulation alone, to the last bit. Without
+// doubles() values are rounded to 32 bits. Failure: usage for a 3D result and for an attribute that the result does not
+// have; memory when the raster does not fit; corrupt, io, interrupted.
 TESSERA_PUBLIC Raster draw_raster(const Triangulation& triangulation, const RasterRequest& request);
-// The same pixels as a Cloud Optimized GeoTIFF, whole or not at all; it may be larger than memory. Returns a sentence
-// when the coordinates have no system, else "". Failure: also usage when `target` exists or does not end in .tif.
+// Writes the same pixels as a Cloud Optimized GeoTIFF, which may be larger than memory. The file is written whole or
+// not at all. Returns a sentence if the coordinates have no coordinate system, else "". Failure: also usage if `target`
+// exists or does not end in .tif.
 TESSERA_PUBLIC std::string write_raster(const Triangulation& triangulation, const std::filesystem::path& target,
                                         const RasterRequest& request);
 

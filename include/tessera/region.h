@@ -1,4 +1,4 @@
-// A region of raw clouds, without triangulating the rest (docs/regions.md).
+// A region of raw clouds, without triangulating the rest of the clouds (docs/regions.md).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace tessera {
 
-// How much may be read for a region.
+// Limits on what triangulate_region() reads. Every function returns *this.
 class TESSERA_PUBLIC RegionRequest {
  public:
   RegionRequest();
@@ -22,11 +22,11 @@ class TESSERA_PUBLIC RegionRequest {
   RegionRequest& operator=(const RegionRequest&);
   ~RegionRequest();
 
-  // Read all files once and see where their points are, instead of believing the boxes that they state.
+  // Reads all files once to learn where their points are, instead of relying on the boxes that the files state.
   RegionRequest& scan(bool scan);
-  // Triangulate at most so many points; by default what the memory allows.
+  // Triangulates at most so many points; by default as many as fit in memory.
   RegionRequest& max_points(std::uint64_t points);
-  // Give up after about so many seconds; by default never.
+  // Gives up after about so many seconds, above 0; by default never.
   RegionRequest& max_seconds(double seconds);
 
  private:
@@ -35,11 +35,12 @@ class TESSERA_PUBLIC RegionRequest {
   std::unique_ptr<Impl> impl_;
 };
 
-// Exactly the cells of the triangulation of all points of `inputs` that have a point in common with the closed box, in
-// 2D xmin, ymin, xmax, ymax, in 3D xmin, ymin, zmin, xmax, ymax, zmax; with the ranks of the whole job. It is a result
-// of one tile. Of `options` those that say how cells are cut into tiles do not count, nor progress; resume is refused.
-// Failure: usage when no cell meets the box; memory when more would have to be read than may; bad_input when a file
-// does not keep to the box it states; io, corrupt, interrupted.
+// Returns exactly those cells of the triangulation of all points of `inputs` that have a point in common with the
+// closed box. The box is xmin, ymin, xmax, ymax in 2D, and xmin, ymin, zmin, xmax, ymax, zmax in 3D. Source indices are
+// those of the whole triangulation. The result has one tile; verify() and Questions refuse it. The options about tiles
+// (max_points_per_tile(), tiles(), partition(), store()) and progress() have no effect; resume() is refused.
+// Failure: usage when no cell meets the box; memory when the limits of `request` or of the memory are too low;
+// bad_input also when a file has points outside the box that it states; io, corrupt, interrupted.
 TESSERA_PUBLIC Triangulation triangulate_region(const std::vector<std::string>& inputs, std::span<const double> box,
                                                 const TriangulationOptions& options = {},
                                                 const RegionRequest& request = {});

@@ -1,4 +1,4 @@
-// What is asked of the surface of a 2D result, whatever is drawn of it: rasters, contour lines, profiles.
+// The options that all drawings of the surface of a 2D result share: rasters, contour lines, profiles.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-// `Request`: the class made of it, which its functions return.
+// `Request` is the derived class. Every function returns *this as a Request.
 template <class Request>
 class SurfaceRequest {
  public:
@@ -18,13 +18,13 @@ class SurfaceRequest {
   SurfaceRequest& operator=(const SurfaceRequest&);
   ~SurfaceRequest();
 
-  // Without the cells that have a longer edge in the plane: they bridge gaps.
+  // Leaves out cells with a longer edge in the plane: such cells bridge gaps between the points.
   Request& max_edge(double length);
-  // An attribute of the vertices; "z", the heights, by default.
+  // The attribute of the vertices that is drawn; by default "z", the heights.
   Request& value(const std::string& name);
-  // Replace a file of the same name.
+  // Replaces an existing file of the same name.
   Request& overwrite(bool overwrite);
-  // For tiles and what is drawn of them; 0: 70 % of what is free.
+  // The memory for tiles and for what is drawn; 0, the default: 70 % of the free memory.
   Request& memory_bytes(std::uint64_t bytes);
   Request& stop(std::stop_token stop);
 

@@ -1,4 +1,4 @@
-// Everything of the public library.
+// All headers of the public library.
 #pragma once
 
 #include "tessera/delaunay.h"

@@ -1,4 +1,5 @@
-// Triangulations of any size: spread over tiles in a result folder, of which only what is looked at is in memory.
+// Triangulations of any size. A triangulation is spread over the tiles of a result folder, and a program reads one tile
+// at a time into memory. docs/glossary.md explains the words.
 #pragma once
 
 #include <cstddef>
@@ -17,35 +18,38 @@
 
 namespace tessera {
 
-// One tile: the cells with a vertex of its own. Arrays live as long as the Tile or a copy of it; a loop over
-// `t.tile(i).cells()` would outlive both: name the tile first.
+// One tile of a result, in memory: all cells that have a vertex which the tile owns, with their n vertices. The arrays
+// live as long as the Tile or a copy of it. So name the tile before a loop: in `for (auto v : t.tile(i).cells())` the
+// tile would end before the loop does.
 class TESSERA_PUBLIC Tile {
  public:
-  // Programs have its size compiled in: it stays as it is.
+  // Programs are compiled with the size of this struct, so it never changes.
   struct Field {
     std::string name;
-    std::string type;                   // NumPy's name: "uint8", "int16", "float64", ...
-    std::span<const std::byte> values;  // n values of that type
+    std::string type;                   // the type's name in NumPy: "uint8", "int16", "float64", ...
+    std::span<const std::byte> values;  // values of that type, one for each vertex or cell
   };
 
   std::uint32_t id() const;
   int dimension() const;
-  // n x 3; in 2D z is 0.
+  // The coordinates of the vertices. Shape: n x 3; in 2D z is 0.
   std::span<const double> points() const;
-  // n: the rank of each point in the whole input.
+  // n: the source index of each vertex, which is its rank in the whole input, counted from 0.
   std::span<const std::uint64_t> ids() const;
-  // n: 1 for a vertex that another tile owns.
+  // n: 1 for a vertex that another tile owns, else 0.
   std::span<const std::uint8_t> foreign() const;
-  // m x (dimension+1) indices into points; positively oriented.
+  // The vertices of the m cells, as indices into points(). Shape: m x (dimension+1). Cells are positively oriented.
   std::span<const std::int32_t> cells() const;
-  // m: 1 for a cell that is main in another tile. The cells with 0, over all tiles, are the triangulation, each once.
+  // m: 1 for a cell that is counted in another tile, else 0. The cells with 0, over all tiles, are the triangulation,
+  // each cell once.
   std::span<const std::uint8_t> ghost() const;
-  // m x (dimension+1): the cell of this tile across the facet opposite each vertex, -1 outside, -2 a cell that only
-  // other tiles hold (when no vertex of the facet is the tile's own, it may also be outside). Empty when not kept.
+  // For each vertex of a cell, the cell of this tile across the opposite facet; -1 if the facet is on the hull; -2 if
+  // only other tiles hold that cell. (-2 may also stand for a facet on the hull, if the tile owns none of the facet's
+  // vertices.) Shape: m x (dimension+1). Empty if the result was made without neighbours.
   std::span<const std::int32_t> neighbors() const;
-  // Of vertices; columns of vertices are among them.
+  // The attributes of the vertices, n values each. Columns of vertices are among them.
   const std::vector<Field>& attributes() const;
-  // Columns of cells: m values each.
+  // The columns of cells, m values each.
   const std::vector<Field>& cell_columns() const;
 
  private:
@@ -55,14 +59,14 @@ class TESSERA_PUBLIC Tile {
   std::shared_ptr<const Impl> impl_;
 };
 
-// That a result is the Delaunay triangulation of its points: what was compared, and counted meanwhile.
+// The outcome of a proof that a result is the Delaunay triangulation of its points: what was counted and checked.
 class TESSERA_PUBLIC Proof {
  public:
   std::uint64_t cells() const;
   std::uint64_t facets() const;
   std::uint64_t hull_facets() const;
   std::uint64_t vertices() const;
-  // A line for each check that was passed.
+  // One line for each check that the result has passed.
   const std::vector<std::string>& checks() const;
 
  private:
@@ -72,28 +76,29 @@ class TESSERA_PUBLIC Proof {
   std::shared_ptr<const Impl> impl_;
 };
 
-// What was computed of a result and added to it. Programs have its size compiled in: it stays as it is.
+// A column: an array that was computed from a result and added to it. Programs are compiled with the size of this
+// struct, so it never changes.
 struct ColumnInfo {
   std::string name;
-  bool of_cells = false;      // else of vertices, and among the attributes of tiles
-  std::string type;           // NumPy's name
-  std::string unit;           // "metre^3"; "" when nobody knows
-  std::uint32_t version = 0;  // of the result, that it came with
+  bool of_cells = false;      // true: a column of cells; false: of vertices, and among the attributes of tiles
+  std::string type;           // the type's name in NumPy
+  std::string unit;           // for example "metre^3"; "" if the unit is not known
+  std::uint32_t version = 0;  // the version of the result that brought the column
 };
 
-// Programs have its size compiled in: it stays as it is.
+// The outcome of Triangulation::measure(). Programs are compiled with the size of this struct, so it never changes.
 struct MeasureReport {
-  double total = 0;  // over all cells, rounded once: a function of the triangulation alone
-  std::string unit;  // "metre^3"; "" when nobody knows
-  bool made = true;  // else the columns were there already
-  std::string note;  // what there is to say about the values; else ""
+  double total = 0;  // the sum over all cells, rounded once; it depends on the triangulation alone
+  std::string unit;  // for example "metre^3"; "" if the unit is not known
+  bool made = true;  // false: the result had the columns already
+  std::string note;  // a sentence about the values, or ""
 };
 
-// A finished result, of one version of it: a change by another program is seen when it is opened again. Cheap to copy:
-// copies share the folder.
+// One version of a finished result. If another program changes the result, open the folder again to see the change.
+// Copies are cheap and share the folder. Const functions may be called from several threads at once.
 class TESSERA_PUBLIC Triangulation {
  public:
-  // A result folder that is there. Failure: io, corrupt.
+  // Opens an existing result folder. Failure: io, corrupt.
   static Triangulation open(const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const;
@@ -102,30 +107,33 @@ class TESSERA_PUBLIC Triangulation {
   std::uint64_t cells() const;
   std::uint64_t points_read() const;
   std::uint64_t duplicates() const;
-  // In 2D those of them whose height is not that of the vertex; nothing when heights are not known.
+  // 2D: the number of duplicates whose height is not that of the vertex; no value if heights are not known.
   std::optional<std::uint64_t> duplicates_at_other_heights() const;
-  // 32 hexadecimal digits: the same for two results if and only if they are the same triangulation of the same points
-  // in the same order, whatever their tiles (but for a chance of 2^-128). "" for results of software that made none.
+  // 32 hexadecimal digits. Two results have the same digest if and only if they are the same triangulation of the same
+  // points in the same order, whatever their tiles are (wrong with a probability of 2^-128). "" for results of software
+  // that made no digest.
   std::string digest() const;
-  // Of the tiles that have points: 0 to tiles()-1 below.
+  // The number of tiles that have points. tile() counts them from 0.
   std::size_t tiles() const;
-  // Reads one from disk. Failure: usage for no such tile, io, corrupt. Safe to call at once from several threads.
+  // Reads a tile from disk. Failure: usage if `index` is not below tiles(); io, corrupt.
   Tile tile(std::size_t index) const;
+  // The coordinate system: WKT, "EPSG:n", or "" if it is not known.
   std::string crs() const;
-  // Writes the cells, each once, to `target`: with an ending it is one file, else a folder with a file for each tile.
-  // Whole or not at all. Returns a sentence about what the format could not keep here, often "". Failure: usage for
-  // what the format cannot hold and for a target that exists, corrupt, io, interrupted.
+  // Writes the cells, each once, to `target`: to one file if `target` has an ending, else to a folder with a file for
+  // each tile. The export is written whole or not at all. Returns a sentence about what the format could not keep, or
+  // "". Failure: usage for a result that the format cannot hold and for a target that exists; corrupt, io, interrupted.
   std::string export_to(const std::filesystem::path& target, const ExportRequest& request = {}) const;
-  // Proves it from its files, however it was made. Failure: not_delaunay with the first violation (tile, cell,
-  // vertices); corrupt for damaged files and for a manifest they do not belong to; io, memory, interrupted.
+  // Proves from the files that the result is right, independently of how it was made. Failure: not_delaunay with the
+  // first violation (tile, cell, vertices); corrupt for damaged files, and for files that do not belong to the
+  // manifest; usage for a region; io, memory, interrupted.
   Proof verify(const VerifyRequest& request = {}) const;
-  // What was computed of it so far.
+  // The columns of this version.
   std::vector<ColumnInfo> columns() const;
-  // Computes columns and adds them to the folder, as a new version of the result, which this object is from then on;
-  // copies of it stay at the old one. Failure: usage when nothing is asked for, or another program changes the folder;
-  // corrupt, io, memory, interrupted.
+  // Computes columns and adds them to the folder, as a new version of the result. This object becomes the new version;
+  // its copies stay at the old version. Failure: usage when the request asks for nothing, and when another program is
+  // changing the folder; corrupt, io, memory, interrupted.
   MeasureReport measure(const MeasureRequest& request);
-  // What `tessera info --json` says of it, one JSON object.
+  // Returns one JSON object, the output of `tessera info --json`.
   std::string describe() const;
 
  private:
@@ -135,29 +143,32 @@ class TESSERA_PUBLIC Triangulation {
   std::shared_ptr<const Impl> impl_;
 };
 
-// `coordinates`: n x dimension, row after row, read while this runs. Failure: any cause.
+// Triangulates points in memory. Shape of `coordinates`: n x dimension, row after row; dimension is that of the
+// options. The array must not change while the function runs. Failure: any cause but not_delaunay.
 TESSERA_PUBLIC Triangulation triangulate(std::span<const double> coordinates, const TriangulationOptions& options = {});
-// Rows of named columns in a program's memory, as NumPy has them in a structured array.
-//
-// Programs have its size compiled in: it stays as it is.
+// Rows of named columns in memory, like a structured array of NumPy. Programs are compiled with the size of this
+// struct, so it never changes.
 struct Records {
   std::span<const std::byte> bytes;
   std::uint64_t rows = 0;
-  // "[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('intensity', '<u2')]": names and types, in the order in memory. x, y
-  // and z are the coordinates, the others attributes: TriangulationOptions::attributes() says which are kept.
+  // The names and types of the columns, in the order in memory, for example
+  // "[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('intensity', '<u2')]". x, y and z are the coordinates. All others are
+  // attributes; TriangulationOptions::attributes() says which of them are kept.
   std::string columns;
 };
 
-// As a .npy file of these rows, read while this runs; TriangulationOptions::dimension() 2 takes z for heights.
+// Triangulates rows in memory, as it would triangulate a .npy file of these rows. With dimension 2, z is the height.
+// The rows must not change while the function runs. Failure: as above.
 TESSERA_PUBLIC Triangulation triangulate(const Records& records, const TriangulationOptions& options = {});
-// `inputs`: files, folders and patterns, as the command takes them.
+// Triangulates files. `inputs`: files, folders and patterns, as the command takes them. Failure: as above.
 TESSERA_PUBLIC Triangulation triangulate(const std::vector<std::string>& inputs,
                                          const TriangulationOptions& options = {});
-// The checksum of a file as manifests have it: XXH3 of 64 bits, in 16 lower-case hexadecimal digits. Those of tiles and
-// duplicates are `in_pieces` from format 3 on. Failure: io.
+// Returns the checksum of a file as it stands in manifests: XXH3 of 64 bits, as 16 lower-case hexadecimal digits. From
+// format 3 on the checksums of tiles and duplicates are those with `in_pieces`. Failure: io.
 TESSERA_PUBLIC std::string file_checksum(const std::filesystem::path& file, bool in_pieces = false);
-// What is in these inputs, and what it would take to triangulate them so, or what one result folder is: what
-// `tessera info --json` says, one JSON object. Reads headers and a sample. Failure: as of triangulate().
+// Returns one JSON object, the output of `tessera info --json`: what is in these inputs and what triangulating them
+// with these options would take, or what a result folder is. Reads only headers and a sample of the points. Failure: as
+// of triangulate().
 TESSERA_PUBLIC std::string describe(const std::vector<std::string>& inputs, const TriangulationOptions& options = {});
 
 }  // namespace tessera

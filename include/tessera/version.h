@@ -1,9 +1,9 @@
-// Semantic version: a new major number may break programs, a new minor one adds to them.
+// The version of Tessera, a semantic version: a new major number may break programs, a new minor number adds functions.
 #pragma once
 
 #include "tessera/visibility.h"
 
-// Of these headers, for the preprocessor: #if TESSERA_VERSION >= TESSERA_VERSION_NUMBER(0, 2, 0)
+// The version of these headers, for the preprocessor: #if TESSERA_VERSION >= TESSERA_VERSION_NUMBER(0, 2, 0)
 #define TESSERA_VERSION_MAJOR 0
 #define TESSERA_VERSION_MINOR 1
 #define TESSERA_VERSION_PATCH 0
@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-// "1.2.3" of the library that runs.
+// Returns the version of the library that the program runs with, as "1.2.3".
 TESSERA_PUBLIC const char* library_version();
 
 }  // namespace tessera

@@ -1,7 +1,7 @@
-"""Makes wheels: `pip install .` calls it (PEP 517, see pyproject.toml), and the CMake target `wheel`.
+"""Makes wheels. `pip install .` (PEP 517, see pyproject.toml) and the CMake target `wheel` use this module.
 
-A wheel holds the package with the C++ library inside. What that links beside it are libraries of the system, named in the
-wheel's metadata (Requires-External): Debian's, which pip cannot install.
+A wheel contains the package and the C++ library. The other libraries that it links are Debian's, which pip cannot
+install; the wheel's metadata names them (Requires-External).
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    """The hook of PEP 517: configures and builds in build/wheel."""
+    """Hook of PEP 517: configures and builds in build/wheel, and returns the name of the wheel."""
     build = SOURCE / "build" / "wheel"
     run("cmake", "-S", SOURCE, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DTESSERA_TESTS=OFF",
         "-DTESSERA_BENCH=OFF", "-DTESSERA_PYTHON=ON", f"-DPython3_EXECUTABLE={sys.executable}")
@@ -31,7 +31,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    """The hook of PEP 517: what git knows of."""
+    """Hook of PEP 517: packs the files that git tracks, and returns the name of the archive."""
     name = f"tessera-{version()}"
     target = pathlib.Path(sdist_directory) / f"{name}.tar.gz"
     files = subprocess.run(["git", "-C", SOURCE, "ls-files", "-z"], check=True, capture_output=True).stdout.decode()
@@ -46,10 +46,10 @@ def build_sdist(sdist_directory, config_settings=None):
 
 
 def pack(build, directory, cmake="cmake"):
-    """The wheel of what stands built in the folder `build`, written to `directory`. Its name."""
+    """Writes a wheel of the finished build in the folder `build` to `directory`. Returns the name of the wheel."""
     with tempfile.TemporaryDirectory() as held:
         stage = pathlib.Path(held)
-        for component in ("library", "python"):  # installed: without the paths of the build, and stripped
+        for component in ("library", "python"):  # installing strips them, and removes the paths of the build folder
             run(cmake, "--install", build, "--component", component, "--prefix", stage, "--strip")
         (module,) = stage.rglob("_tessera*.so")
         library = next(stage.rglob("libtessera.so.*")).resolve()
@@ -71,7 +71,7 @@ def pack(build, directory, cmake="cmake"):
     unfinished = target.with_suffix(".new")
     with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as wheel:
         for name, content in files.items():
-            entry = zipfile.ZipInfo(name)  # of 1980: equal contents are equal wheels
+            entry = zipfile.ZipInfo(name)  # its time is in 1980, so equal contents give equal wheels
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o755 if ".so" in name else 0o644) << 16
             wheel.writestr(entry, content)
@@ -93,7 +93,7 @@ def metadata(external):
 
 
 def dynamic(file, kind):
-    """The names that a shared library has for an entry of its dynamic section."""
+    """Returns the values of all entries of this kind in the dynamic section of a shared library."""
     text = subprocess.run(["readelf", "-dW", file], check=True, capture_output=True, text=True).stdout
     return re.findall(rf"\({kind}\).*\[(.*)\]", text)
 

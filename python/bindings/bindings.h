@@ -1,5 +1,5 @@
-// The extension module tessera._tessera: the public C++ library as it is. What Python users see, with docstrings and
-// checks of arguments, is the package in python/tessera.
+// The extension module tessera._tessera, which binds the public C++ library as it is. Python users use the package in
+// python/tessera, which checks arguments and has docstrings.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -18,13 +18,13 @@ std::unique_ptr<Delaunay> triangulate_in_memory(const Coordinates& points) {
   const auto work = [&](std::stop_token stop) {
     return std::make_unique<Delaunay>(coordinates, dimension, std::move(stop));
   };
-  // Some milliseconds at most: nobody's Ctrl-C comes in between, and a thread costs more than a small triangulation.
+  // A small triangulation takes some milliseconds at most, so Ctrl-C can wait, and a thread would cost more.
   constexpr py::ssize_t small = 2000;
   return points.shape(0) <= small ? work({}) : run_interruptible(work);
 }
 
 Indices find_simplex(const Delaunay& delaunay, const Coordinates& queries) {
-  constexpr std::size_t chunk = 1 << 14;  // some milliseconds between looks for Ctrl-C
+  constexpr std::size_t chunk = 1 << 14;  // some milliseconds of work between two questions for Ctrl-C
   const auto dimension = static_cast<std::size_t>(delaunay.dimension());
   const auto from = span_of(queries);
   Indices found(static_cast<py::ssize_t>(from.size() / dimension));

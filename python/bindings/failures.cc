@@ -22,7 +22,7 @@ void bind_failures() {
         return errors.attr("argument")(key, value).cast<std::string>();
       };
       const std::string said = failure.sentence(name);
-      // Names of files need not be UTF-8; surrogateescape is how Python writes those that are not.
+      // Names of files need not be UTF-8. Python writes other names with surrogateescape.
       const auto sentence = py::reinterpret_steal<py::object>(
           PyUnicode_DecodeUTF8(said.data(), static_cast<Py_ssize_t>(said.size()), "surrogateescape"));
       PyErr_SetObject(type.ptr(), sentence.ptr());

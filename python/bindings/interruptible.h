@@ -1,5 +1,5 @@
-// Ctrl-C while C++ works. Python only notes the signal; its main thread has to ask, holding the GIL. In other threads
-// asking does nothing.
+// Lets Ctrl-C stop C++ code. Python only notes the signal; its main thread must ask for it while it holds the GIL. In
+// other threads asking does nothing.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -10,13 +10,15 @@
 
 namespace tessera::python {
 
-// Throws the KeyboardInterrupt (or what else a signal handler raised) that is due. REQUIRES: the GIL.
+// Throws the exception that a signal handler has raised, mostly KeyboardInterrupt, if there is one. REQUIRES: the
+// caller holds the GIL.
 inline void check_signals() {
   if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
 }
 
-// work(stop_token) in a thread of its own, so that this one can ask for signals, without the GIL in between.
-// REQUIRES: the GIL; that `work` needs none, and ends soon after a stop is requested.
+// Returns work(stop_token), which runs in a thread of its own while this thread asks for signals. A signal requests a
+// stop, and its exception is thrown when `work` has ended. The GIL is released between questions. REQUIRES: the caller
+// holds the GIL; `work` does not need it, and ends soon after a stop is requested.
 template <class Work>
 auto run_interruptible(const Work& work) {
   constexpr std::chrono::milliseconds pause{50};

@@ -1,4 +1,4 @@
-// The option classes, as they are: their functions return nothing here.
+// Binds the option classes as they are, except that their functions return nothing here.
 #include "tessera/options.h"
 
 #include <pybind11/stl.h>

@@ -12,7 +12,7 @@ namespace {
 template <int D>
 using Matrix = std::array<std::array<double, D>, D>;
 
-// The greatest sum of a column's absolute values.
+// Returns the 1-norm: the greatest sum of the absolute values of a column.
 template <int D>
 double norm_1(const Matrix<D>& a) {
   double greatest = 0;
@@ -24,7 +24,7 @@ double norm_1(const Matrix<D>& a) {
   return greatest;
 }
 
-// By cofactors; infinite or NaN when the determinant vanishes.
+// Returns the inverse, by cofactors. It is infinite or NaN if the determinant is zero.
 Matrix<2> inverse(const Matrix<2>& a) {
   const double scale = 1 / (a[0][0] * a[1][1] - a[0][1] * a[1][0]);
   return {{{a[1][1] * scale, -a[0][1] * scale}, {-a[1][0] * scale, a[0][0] * scale}}};
@@ -83,7 +83,7 @@ void barycentric_transforms(std::span<const double> points, std::span<const std:
 }
 
 VertexNeighbors vertex_neighbors(std::span<const std::int32_t> simplices, int corners, std::size_t vertices) {
-  // The simplices of every vertex, by counting.
+  // A counting sort gives the simplices of every vertex.
   std::vector<std::size_t> ends(vertices + 1, 0);
   for (const auto vertex : simplices) ++ends[static_cast<std::size_t>(vertex) + 1];
   for (std::size_t vertex = 0; vertex < vertices; ++vertex) ends[vertex + 1] += ends[vertex];

@@ -1,4 +1,4 @@
-// What SciPy's Delaunay derives from its simplices, computed the same way.
+// Arrays that SciPy's Delaunay derives from its simplices, computed in the same way.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace tessera::python {
 
-// The affine map from x to the first d barycentric coordinates c of every simplex, T c = x - r, where r is the last
-// vertex: out[s] is (d+1) x d, the inverse of T, then r. NaN for simplices that are degenerate or nearly: when the
-// reciprocal condition number of T (1-norm) is under 1000 * 2^-52, which is SciPy's limit.
+// Computes for every simplex the affine map from x to the first d barycentric coordinates c: T c = x - r, where r is
+// the last vertex. out[s] is (d+1) x d: the inverse of T, then r. It is NaN for simplices that are degenerate or nearly
+// so: when the reciprocal condition number of T (1-norm) is below 1000 * 2^-52, which is SciPy's limit.
 // `points`: n x d, `simplices`: m x (d+1), d = 2 or 3. REQUIRES: out.size() == m * (d+1) * d.
 void barycentric_transforms(std::span<const double> points, std::span<const std::int32_t> simplices, int dimension,
                             std::span<double> out);
@@ -19,8 +19,8 @@ struct VertexNeighbors {
   std::vector<std::int32_t> starts, indices;
 };
 
-// `simplices`: m rows of `corners` indices under `vertices`.
-// Throws std::length_error if there are 2^31 neighbours or more: SciPy's arrays are int32.
+// Returns the neighbours of all vertices. `simplices`: m rows of `corners` indices below `vertices`. Throws
+// std::length_error if there are 2^31 neighbours or more, because SciPy's arrays are int32.
 VertexNeighbors vertex_neighbors(std::span<const std::int32_t> simplices, int corners, std::size_t vertices);
 
 }  // namespace tessera::python

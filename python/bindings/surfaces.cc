@@ -1,4 +1,4 @@
-// Rasters of results, and regions of raw clouds.
+// Binds rasters, contour lines and profiles of results, and regions of raw clouds.
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -26,7 +26,7 @@ RasterRequest raster_request(double res, const std::optional<std::array<double, 
   return request;
 }
 
-// (height x width array, left, top)
+// Returns (height x width array, left, top).
 py::tuple draw(const Triangulation& self, RasterRequest request) {
   auto* raster = new Raster;
   const py::capsule owner(raster, [](void* memory) { delete static_cast<Raster*>(memory); });
@@ -55,7 +55,7 @@ ContourRequest contour_request(double interval, double base, const std::optional
   return request;
 }
 
-// (values, offsets, n x 2 points, whether they are index lines)
+// Returns (values, offsets, n x 2 points, flags of index lines).
 py::tuple contours(const Triangulation& self, ContourRequest request) {
   auto lines =
       run_interruptible([&](std::stop_token stop) { return draw_contours(self, request.stop(std::move(stop))); });
@@ -70,7 +70,7 @@ std::string write_lines(const Triangulation& self, const std::filesystem::path& 
       [&](std::stop_token stop) { return write_contours(self, target, request.stop(std::move(stop))); });
 }
 
-// `digits`: none, as the data carry; below 0: all.
+// `digits`: no value means the precision of the data, a number below 0 all digits.
 ProfileRequest profile_request(std::optional<double> max_edge, const std::string& value, std::optional<int> digits) {
   ProfileRequest request;
   if (digits && *digits < 0) request.all_digits();
@@ -80,7 +80,7 @@ ProfileRequest profile_request(std::optional<double> max_edge, const std::string
   return request;
 }
 
-// (distances, n x 2 points, values, parts)
+// Returns (distances, n x 2 points, values, parts).
 py::tuple profile(const Triangulation& self, const Coordinates& line, ProfileRequest request) {
   const auto span = span_of(line);
   auto table =

@@ -10,14 +10,15 @@
 namespace tessera::python {
 namespace {
 
-// Decoded as names of files are: there may be some in it.
+// Returns a Python string, decoded as names of files are, because the text may contain such names.
 py::str text_of(const std::string& text) {
   return py::reinterpret_steal<py::str>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
 }
 
-// triangulate(), with `report` (a callable, or None) told of the progress, and Ctrl-C heeded. `input` belongs to the
-// caller, who keeps it; only `report` runs with the GIL. What it raises unwinds the engine and comes out as it is.
+// Returns triangulate(input, options), which Ctrl-C can end. `report` is a callable, or None, that gets the progress.
+// The caller keeps `input` alive. Only the callbacks run with the GIL. An exception that `report` raises ends the job
+// and comes out unchanged.
 template <class Input>
 Triangulation run(const Input& input, TriangulationOptions options, const py::object& report, const py::object& warn) {
   options.progress([&report](const JobProgress& p) {
@@ -36,7 +37,7 @@ Triangulation run(const Input& input, TriangulationOptions options, const py::ob
   return triangulate(input, options);
 }
 
-// Triangulation::export_to() with Ctrl-C heeded.
+// Returns self.export_to(target, request), which Ctrl-C can end.
 std::string export_to(const Triangulation& self, const std::filesystem::path& target, ExportRequest request) {
   request.progress([](double) {
     const py::gil_scoped_acquire acquire;
@@ -57,7 +58,7 @@ py::array points_view(const py::object& self) {
               {static_cast<py::ssize_t>(tile.points().size()) / 3, tile.dimension()}, {3 * size, size}, self);
 }
 
-// Flags are 0 or 1, so that they can be masks.
+// Returns flags as an array of bool. They are 0 or 1, so the bytes are the same.
 py::array mask_view(std::span<const std::uint8_t> flags, const py::object& self) {
   return column_view(flags, self, py::dtype::of<bool>());
 }
@@ -93,7 +94,7 @@ void bind_tile(py::module_& module) {
       .def_property_readonly("id", &Tile::id)
       .def_property_readonly("dimension", &Tile::dimension)
       .def_property_readonly("points", &points_view)
-      // Ranks are under 2^63. Signed, because NumPy makes float64 of uint64 with int64.
+      // Ranks are below 2^63. They are signed here, because NumPy turns uint64 together with int64 into float64.
       .def_property_readonly("ids",
                              [](const py::object& self) {
                                return column_view(self.cast<const Tile&>().ids(), self, py::dtype::of<std::int64_t>());

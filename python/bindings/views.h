@@ -1,4 +1,4 @@
-// NumPy arrays over memory of ours.
+// NumPy arrays over the memory of C++ objects.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -13,7 +13,8 @@ namespace tessera::python {
 
 namespace py = pybind11;
 
-// Arrays come from tessera/_arrays.py, which makes them float64 and C-contiguous or refuses; here nothing is converted.
+// Arrays come from tessera/_arrays.py, which makes them float64 and C-contiguous or refuses them. So nothing is
+// converted here.
 using Coordinates = py::array_t<double, py::array::c_style>;
 using Indices = py::array_t<std::int32_t, py::array::c_style>;
 
@@ -22,7 +23,7 @@ std::span<const T> span_of(const py::array_t<T, Flags>& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-// A read-only array over `data`, without a copy. It keeps `owner` alive, and so the memory.
+// Returns a read-only array over `data`, without a copy. The array keeps `owner` alive, and so the memory.
 inline py::array view(const py::dtype& type, const void* data, std::vector<py::ssize_t> shape,
                       std::vector<py::ssize_t> strides, const py::object& owner) {
   py::array array(type, std::move(shape), std::move(strides), data, owner);
@@ -30,7 +31,7 @@ inline py::array view(const py::dtype& type, const void* data, std::vector<py::s
   return array;
 }
 
-// Of `values`, n x columns, row after row.
+// Returns a view of `values` as an array of n x columns, row after row.
 template <class T>
 py::array rows_view(std::span<const T> values, int columns, const py::object& owner) {
   constexpr py::ssize_t size = sizeof(T);
@@ -38,14 +39,15 @@ py::array rows_view(std::span<const T> values, int columns, const py::object& ow
               {columns * size, size}, owner);
 }
 
-// Of n values. `type` may be another name for the same bytes.
+// Returns a view of `values` as an array of one dimension. `type` may be another type for the same bytes, of any size.
 template <class T>
 py::array column_view(std::span<const T> values, const py::object& owner, const py::dtype& type = py::dtype::of<T>()) {
   return view(type, values.data(), {static_cast<py::ssize_t>(values.size_bytes()) / type.itemsize()}, {type.itemsize()},
               owner);
 }
 
-// An array that has the vector's memory. `To`: the same bytes by NumPy's usual name; ranks are under 2^63.
+// Returns an array that owns the vector's memory. `To`: a type of the same size, as which NumPy sees the values.
+// Unsigned ranks become int64, because they are below 2^63.
 template <class To, class T>
 py::array given(std::vector<T> values, std::vector<py::ssize_t> shape = {}) {
   static_assert(sizeof(To) == sizeof(T));

@@ -9,7 +9,7 @@
 namespace tessera::python {
 namespace {
 
-__extension__ using Quad = __float128;  // 113 bits, exponents to 2^16383: nothing under- or overflows below
+__extension__ using Quad = __float128;  // 113 bits, exponents to 2^16383: nothing underflows or overflows below
 
 template <class T>
 T magnitude(T x) {
@@ -18,7 +18,7 @@ T magnitude(T x) {
 
 template <class T>
 struct Volume {
-  T value = 0, terms = 0;  // terms: the sum of the absolute values of what adds up to it: what its error is measured by
+  T value = 0, terms = 0;  // terms: the sum of the absolute values of all summands, which bounds the error of `value`
   void add(T term) { value += term, terms += magnitude(term); }
 };
 
@@ -44,8 +44,9 @@ Volume<T> volume(const Vector<T, 3>& a, const Vector<T, 3>& b, const Vector<T, 3
   return sum;
 }
 
-// The weight of a corner is the volume that the query spans with the others. False when rounding may be more than some
-// 1e-10 of their sum; of Quads only when that vanishes.
+// Computes the weights of the corners: the weight of a corner is the volume that the query spans with the other
+// corners, divided by the sum of these volumes. Returns false if the rounding error may exceed some 1e-10 of the sum;
+// for Quad only if the sum is zero.
 template <class T, int D>
 bool weigh(const std::array<const double*, D + 1>& corners, const double* q, double* out) {
   std::array<Vector<T, D>, D + 1> from;
@@ -88,7 +89,7 @@ void all_weights(std::span<const double> points, std::span<const std::int32_t> s
     }
     const double* q = &queries[i * D];
     if (weigh<double, D>(corners, q, mine) || weigh<Quad, D>(corners, q, mine)) continue;
-    std::fill_n(mine, D + 1, 1.0 / (D + 1));  // flatter than 113 bits can tell: anything between the corners is as good
+    std::fill_n(mine, D + 1, 1.0 / (D + 1));  // flatter than 113 bits can tell: any weights are as good
   }
 }
 

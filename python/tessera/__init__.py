@@ -1,15 +1,16 @@
 """Tessera: exact Delaunay triangulations in 2D and 3D, of any size.
 
-Two ways in:
+There are two ways to triangulate.
 
     tri = tessera.Delaunay(points)        in memory, in one piece: a drop-in for scipy.spatial.Delaunay
 
     t = tessera.triangulate("block/*.laz", memory="4G", progress=print)
-    for tile in t:                        of any size: on disk, in tiles, of which only what is looked at is in memory
+    for tile in t:                        any size: on disk, in tiles; one tile at a time is in memory
         tetrahedra = tile.points[tile.cells[~tile.ghost]]
 
-Exact means: the Delaunay triangulation of the coordinates as given, whatever their rounding; of cospherical points the one
-that a symbolic perturbation picks, always the same. docs/python.md is the guide.
+The result is exact: it is the Delaunay triangulation of the coordinates as they are given, and rounding plays no part.
+For cospherical points it is always the same triangulation, which a symbolic perturbation chooses. docs/python.md is the
+guide.
 """
 from . import _tessera
 from ._delaunay import Delaunay
@@ -30,7 +31,7 @@ __version__ = _tessera.version()
 
 __all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Contour", "Profile", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
-# What help() and messages call them.
+# help() and messages show these names as members of the package.
 for _public in __all__:
     globals()[_public].__module__ = __name__
 del _public

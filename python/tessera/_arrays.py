@@ -1,4 +1,4 @@
-"""Coordinates to what the library takes: float64, C-contiguous, and not one bit changed on the way."""
+"""Turns coordinates of any numeric type into the arrays that the library takes: float64, C-contiguous, not rounded."""
 import decimal
 import numbers
 import typing
@@ -9,15 +9,15 @@ from ._errors import UsageError
 
 
 def exact_float64(values: typing.Any, name: str) -> np.ndarray:
-    """`values` as a C-contiguous float64 array: itself when it is one, otherwise a copy.
+    """Returns `values` as a C-contiguous float64 array: the same object if it is such an array, else a copy.
 
-    Any bool, integer or float type, byte order and strides; whatever numpy.asarray takes, lists of lists too; arrays of
-    Python's numbers (int, float, Fraction, Decimal); DataFrames, column by column, each of its own type.
-    UsageError for other types, for masked and missing entries, and for numbers that float64 would round (integers
-    beyond 2^53, longdouble): equal points must stay equal, different ones different. `name` is the argument's, for the
-    sentence.
+    `values` may be an array of any bool, integer or float type, byte order and strides; anything else that
+    numpy.asarray takes, such as lists of lists; an array of Python's numbers (int, float, Fraction, Decimal); or a
+    DataFrame, whose columns keep their own types. Raises UsageError for other types, masked or missing entries, and
+    numbers that float64 would round (integers beyond 2^53, longdouble): equal points must stay equal, and different
+    points different. `name` is the name of the argument, for messages.
     """
-    if hasattr(values, "columns") and hasattr(values, "iloc"):  # as one array it would be rounded to a common type
+    if hasattr(values, "columns") and hasattr(values, "iloc"):  # one array of all columns would round to a common type
         columns = [exact_float64(values.iloc[:, i], f"{name}[{column!r}]") for i, column in enumerate(values.columns)]
         return np.column_stack(columns) if columns else np.empty((len(values), 0))
     if np.ma.is_masked(values):
@@ -27,7 +27,7 @@ def exact_float64(values: typing.Any, name: str) -> np.ndarray:
         if isinstance(values, (list, tuple)) and given.dtype == np.float64:
             each = np.asarray(values, object)
             if any(isinstance(number, numbers.Integral) and abs(number) > 2**53 for number in each.flat):
-                given = each  # of integers and floats together NumPy makes floats
+                given = each  # NumPy turns a list of integers and floats into floats, and rounds
     except ValueError as error:  # rows of different lengths
         raise UsageError(f"{name} is no array of numbers: {error}") from None
     if given.dtype.kind == "O":
@@ -35,7 +35,7 @@ def exact_float64(values: typing.Any, name: str) -> np.ndarray:
     if given.dtype.kind not in "buif":
         raise UsageError(f"{name} must hold integers or floats, not {given.dtype}")
     exact = np.require(given, np.float64, ["C", "ALIGNED"])
-    # longdouble has the 64 bits of both: on x86 for its mantissa, on others 113.
+    # A longdouble holds both 64-bit integers and float64 exactly: its mantissa has 64 bits on x86, and 113 elsewhere.
     if np.promote_types(given.dtype, np.float64) != np.float64 or is_wide_integer(given):
         wide = given.astype(np.longdouble)
         refuse_rounded((wide != exact) & ~np.isnan(wide), given, name)
@@ -43,7 +43,7 @@ def exact_float64(values: typing.Any, name: str) -> np.ndarray:
 
 
 def exact_numbers(given: np.ndarray, name: str) -> np.ndarray:
-    """The same of an array of objects."""
+    """Does the same as exact_float64() for an array of objects."""
     exact = np.empty(given.shape)
     rounded = np.zeros(given.shape, bool)
     for at, number in np.ndenumerate(given):
@@ -61,7 +61,7 @@ def exact_numbers(given: np.ndarray, name: str) -> np.ndarray:
 
 
 def refuse_rounded(rounded: np.ndarray, given: np.ndarray, name: str) -> None:
-    """UsageError when an entry of `rounded` is True, with the first such number."""
+    """Raises UsageError if an entry of `rounded` is True. The message has the first such number."""
     if rounded.any():
         at = tuple(int(i) for i in np.argwhere(rounded)[0])
         raise UsageError(f"{name}{list(at)} is {given[at]!r}, which no float64 equals ({rounded.sum()} such numbers): "
@@ -69,5 +69,5 @@ def refuse_rounded(rounded: np.ndarray, given: np.ndarray, name: str) -> None:
 
 
 def is_wide_integer(array: np.ndarray) -> bool:
-    """Integers, of which some are beyond the 2^53 that float64 counts to."""
+    """Returns whether the array has integers beyond 2^53, which float64 may not hold exactly."""
     return array.dtype.kind in "ui" and array.size > 0 and (int(array.max()) > 2**53 or int(array.min()) < -(2**53))

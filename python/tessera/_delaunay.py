@@ -1,4 +1,4 @@
-"""SciPy's Delaunay, by tessera."""
+"""The class Delaunay, with the interface of SciPy's."""
 from __future__ import annotations
 
 import functools
@@ -13,7 +13,7 @@ from ._errors import UsageError
 from ._options import point_array
 from ._tile import cell_word
 
-# The facet opposite each vertex of a positively oriented simplex, seen counterclockwise from outside.
+# The facet opposite each vertex of a positively oriented simplex, counterclockwise when seen from outside.
 FACETS = {2: ((1, 2), (2, 0), (0, 1)), 3: ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))}
 
 
@@ -23,9 +23,10 @@ class Delaunay:
     Parameters
     ----------
     points
-        n x 2 or n x 3, as for triangulate(): any integer or float type, never rounded.
+        n x 2 or n x 3, of any integer or float type, as for triangulate(). Points are never rounded.
     furthest_site, incremental, qhull_options
-        SciPy's, for its positional order; anything but their defaults is refused with a UsageError.
+        Arguments of SciPy's class, here so that positional arguments mean the same. UsageError for other values than
+        the defaults.
 
     Raises
     ------
@@ -34,20 +35,22 @@ class Delaunay:
     BadInputError
         For points that are not finite, too few, or all on one line or plane. SciPy raises QhullError for the latter.
     KeyboardInterrupt
-        On Ctrl-C, within a moment. The GIL is released meanwhile.
+        On Ctrl-C, within a moment. The GIL is released while the library works.
 
-    What differs from SciPy:
+    These things differ from SciPy:
 
-    - Exact. Every different point is a vertex, no simplex is flat, and cospherical points are triangulated too, always
-      the same way (SciPy's Qhull may leave points out, or merge facets). In general position the simplices are SciPy's.
-    - `coplanar` therefore lists duplicates only.
-    - `find_simplex` is exact: a point counts as inside on the boundary itself, but not a rounding error beyond it,
-      where SciPy's default tolerance still says yes. `bruteforce` makes no difference; `tol` has to be None or 0.
+    - The result is exact. Every distinct point is a vertex, no simplex is flat, and cospherical points are
+      triangulated, too, always in the same way. (SciPy's Qhull may leave points out, or merge facets.) For points in
+      general position the simplices are those of SciPy.
+    - So `coplanar` lists duplicates only.
+    - `find_simplex` is exact: the boundary is inside, and a point that is beyond it by a rounding error is outside.
+      SciPy's default tolerance takes such a point for inside. `bruteforce` makes no difference; `tol` must be None or
+      0.
     - `points`, `simplices` and `neighbors` are read-only; copy them to change them.
-    - 3D simplices are positively oriented too, and the facets of `convex_hull` consistently.
+    - Simplices are positively oriented in 3D, too, and the facets of `convex_hull` are oriented consistently.
     - `equations`, `plane_distance`, `lift_points`, `paraboloid_scale`, `paraboloid_shift` and `good` describe Qhull's
-      paraboloid and are not there; neither is `add_points`. SciPy's own interpolators use them, so they do not take this
-      object: LinearNDInterpolator here does.
+      paraboloid and do not exist here. `add_points` does not exist, either. SciPy's interpolators use them, so they do
+      not take this class; use tessera.LinearNDInterpolator.
 
     Examples
     --------
@@ -72,22 +75,25 @@ class Delaunay:
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
-        """The points, npoints x ndim: a read-only copy of those given."""
+        """The points, npoints x ndim: a read-only copy of the argument."""
         return self._delaunay.points
 
     @property
     def simplices(self) -> npt.NDArray[np.int32]:
-        """Indices of points, nsimplex x (ndim+1), read-only. 2D: counterclockwise. 3D: det(p1-p0, p2-p0, p3-p0) > 0."""
+        """The vertices of each simplex, as indices of points: nsimplex x (ndim+1), read-only.
+
+        2D: counterclockwise. 3D: det(p1-p0, p2-p0, p3-p0) > 0.
+        """
         return self._delaunay.simplices
 
     @property
     def neighbors(self) -> npt.NDArray[np.int32]:
-        """Of each simplex the one opposite vertex k, nsimplex x (ndim+1), read-only; -1 outside the convex hull."""
+        """The simplex across the facet opposite each vertex: nsimplex x (ndim+1), read-only; -1 outside the hull."""
         return self._delaunay.neighbors
 
     @property
     def ndim(self) -> int:
-        """2 or 3."""
+        """The dimension: 2 or 3."""
         return self.points.shape[1]
 
     @property
@@ -102,32 +108,35 @@ class Delaunay:
 
     @functools.cached_property
     def min_bound(self) -> npt.NDArray[np.float64]:
-        """The least coordinate along each axis: ndim."""
+        """The least coordinate along each axis: ndim numbers."""
         return self.points.min(axis=0)
 
     @functools.cached_property
     def max_bound(self) -> npt.NDArray[np.float64]:
-        """The greatest coordinate along each axis: ndim."""
+        """The greatest coordinate along each axis: ndim numbers."""
         return self.points.max(axis=0)
 
     @functools.cached_property
     def convex_hull(self) -> npt.NDArray[np.int32]:
-        """Indices of points, nfaces x ndim: the hull's facets. 2D: counterclockwise; 3D: so when seen from outside."""
+        """The facets of the convex hull, as indices of points: nfaces x ndim.
+
+        Counterclockwise around the hull in 2D, counterclockwise when seen from outside in 3D.
+        """
         simplex, opposite = np.nonzero(self.neighbors == -1)
         return self.simplices[simplex[:, None], np.array(FACETS[self.ndim])[opposite]]
 
     @functools.cached_property
     def coplanar(self) -> npt.NDArray[np.int32]:
-        """Points that are no vertices, because they equal an earlier one: ncoplanar x 3, ascending.
+        """The points that are no vertices because they equal an earlier point: ncoplanar x 3, ascending.
 
-        Columns: the point, a simplex with the vertex it equals, that vertex.
+        The columns are the index of the point, a simplex with the vertex that it equals, and the index of that vertex.
         """
         duplicate, vertex = self._delaunay.duplicates.T
         return np.column_stack([duplicate, self.vertex_to_simplex[vertex], vertex])
 
     @functools.cached_property
     def vertex_to_simplex(self) -> npt.NDArray[np.int32]:
-        """A simplex that has the point as a vertex: npoints. Of a duplicate: one of the point it equals."""
+        """For each point a simplex with this vertex: npoints. For a duplicate a simplex of its equal vertex."""
         simplex = np.empty(self.npoints, np.int32)
         for corners in self.simplices.T:
             simplex[corners] = np.arange(self.nsimplex, dtype=np.int32)
@@ -137,35 +146,39 @@ class Delaunay:
 
     @functools.cached_property
     def vertex_neighbor_vertices(self) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
-        """(indptr, indices): the neighbours of point k are indices[indptr[k]:indptr[k+1]], ascending; none of duplicates."""
+        """(indptr, indices): the neighbours of point k are indices[indptr[k]:indptr[k+1]], ascending.
+
+        Duplicates have no neighbours.
+        """
         return self._delaunay.vertex_neighbors()
 
     @functools.cached_property
     def transform(self) -> npt.NDArray[np.float64]:
         """Affine maps to barycentric coordinates, nsimplex x (ndim+1) x ndim.
 
-        `b = transform[i, :ndim] @ (x - transform[i, ndim])` are the coordinates of x to the first ndim vertices of
-        simplex i; the last is 1 - b.sum(). NaN for simplices that are nearly flat (condition number over 4.5e12), as in
-        SciPy. Rounded, unlike find_simplex. Takes 8 ndim (ndim+1) bytes a simplex, once it is asked for.
+        `b = transform[i, :ndim] @ (x - transform[i, ndim])` are the coordinates of x for the first ndim vertices of
+        simplex i; the last coordinate is 1 - b.sum(). NaN for simplices that are nearly flat (condition number above
+        4.5e12), as in SciPy. These numbers are rounded; find_simplex does not use them. The array is made when it is
+        first used, and takes 8 ndim (ndim+1) bytes a simplex.
         """
         return self._delaunay.transform()
 
     def find_simplex(self, xi: npt.ArrayLike, bruteforce: bool = False,
                      tol: float | None = None) -> npt.NDArray[np.int32]:
-        """A simplex that holds each point of `xi`, its boundary included, exactly; -1 outside the convex hull and for NaN.
+        """Finds a simplex that contains each point of `xi`. A simplex contains its boundary; the test is exact.
 
         Parameters
         ----------
         xi
-            Points, (..., ndim).
+            Points, of shape (..., ndim).
         bruteforce
             Makes no difference.
         tol
-            None or 0: nothing outside counts as inside.
+            Must be None or 0: no point outside counts as inside.
 
         Returns
         -------
-        Indices of simplices, int32, with the shape (...) of `xi` without its last axis.
+        Indices of simplices, int32, of shape (...); -1 outside the convex hull and for coordinates that are not finite.
         """
         if tol:
             raise UsageError(f"tol is {tol}: tessera finds simplices exactly, without a tolerance")
@@ -175,10 +188,10 @@ class Delaunay:
         return self._delaunay.find_simplex(queries.reshape(-1, self.ndim)).reshape(queries.shape[:-1])
 
     def close(self) -> None:
-        """Does nothing: SciPy's ends incremental work, which there is none of."""
+        """Does nothing. SciPy's method ends incremental processing, which does not exist here."""
 
     def __reduce__(self) -> tuple[typing.Any, ...]:
-        """Pickled are the arrays: what is loaded is not triangulated again."""
+        """Pickles the arrays, so that loading does not triangulate again."""
         return restored, tuple(map(np.array, (self.points, self.simplices, self.neighbors, self._delaunay.duplicates)))
 
     def __repr__(self) -> str:
@@ -186,7 +199,7 @@ class Delaunay:
 
 
 def restored(points: np.ndarray, simplices: np.ndarray, neighbors: np.ndarray, duplicates: np.ndarray) -> Delaunay:
-    """A Delaunay that was pickled."""
+    """Returns the Delaunay with these arrays, which was pickled."""
     tri = Delaunay.__new__(Delaunay)
     tri._delaunay = _tessera.Delaunay.restore(points, simplices, neighbors, duplicates)
     return tri

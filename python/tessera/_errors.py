@@ -1,15 +1,15 @@
-"""The exceptions, one for each cause of docs/exit-status.md."""
+"""The exceptions of tessera, one class for each cause of docs/exit-status.md."""
 
 
 class Error(Exception):
-    """What goes wrong in tessera: one sentence that names the file or argument, the place and the reason.
+    """The base class of all errors. The message is one sentence that names the file or argument, place and reason.
 
-    `cause` is "usage", "bad_input", "io", "corrupt", "not_delaunay", "memory", "interrupted" or "internal". Ctrl-C is not among them: it
-    is KeyboardInterrupt, as everywhere in Python. Exceptions of a progress callback come out as they are.
+    `cause` is "usage", "bad_input", "io", "corrupt", "not_delaunay", "memory", "interrupted" or "internal". Ctrl-C
+    raises KeyboardInterrupt, as everywhere in Python. Exceptions of a progress callback pass through unchanged.
     """
 
     cause = "internal"
-    # Of what a daemon answers: the status of HTTP, and the type of its problem.
+    # For an answer of a daemon: the HTTP status, and the type of the problem (RFC 9457).
     _http_status = 0
     _problem_type = ""
 
@@ -39,13 +39,13 @@ class CorruptError(Error):
 
 
 class NotDelaunayError(Error):
-    """A result that verify() found wrong: a mistake of tessera's, please report it."""
+    """verify() found that a result is wrong. This is a bug of tessera: please report it."""
 
     cause = "not_delaunay"
 
 
 class MemoryLimitError(Error, MemoryError):
-    """The job cannot be done within the memory it was given, or the system has no more."""
+    """The job does not fit into the memory that it may use, or the system has no more memory."""
 
     cause = "memory"
 
@@ -57,23 +57,23 @@ class InterruptedJobError(Error):
 
 
 class InternalError(Error, RuntimeError):
-    """A mistake of tessera's: please report it."""
+    """A bug of tessera: please report it."""
 
     cause = "internal"
 
 
-# What options are called here, where the command calls them otherwise but for dashes.
+# The options that have another name here than in the command, apart from dashes.
 NAMES = {"class": "classes", "z": "heights", "type": "doubles"}
 
 
 def argument(key: str, value: str) -> str:
-    """How a sentence names the option `key`, and with a `value` that it is given: "memory", "skip_invalid=True"."""
+    """Returns how a message names the option `key`, with its `value` if given: "memory", "skip_invalid=True"."""
     name = NAMES.get(key, key.replace("-", "_"))
     if not value:
         return name
     return f"{name}={value.title() if value in ('true', 'false') else value if value.isdecimal() else repr(value)}"
 
 
-# By the numbers of tessera::Cause; the extension module looks here.
+# The classes by the numbers of tessera::Cause. The extension module reads this table.
 BY_CAUSE = {2: UsageError, 3: BadInputError, 4: IoError, 5: CorruptError, 6: NotDelaunayError, 7: MemoryLimitError, 8: InterruptedJobError,
             9: InternalError}

@@ -1,4 +1,4 @@
-"""HTTP to a daemon, with the standard library: documents, files and events."""
+"""HTTP requests to a daemon, with the standard library."""
 from __future__ import annotations
 
 import contextlib
@@ -15,12 +15,14 @@ SILENCE_OF_EVENTS_S = 45.0  # the daemon sends something every 15 s
 
 
 class ConnectionLost(IoError):
-    """The connection failed: nothing that the daemon has said."""
+    """The connection failed. The daemon did not refuse the request."""
 
 
 class Transport:
-    """One daemon: its address, the token, and how it is trusted. Every call has a connection of its own, so that all may be
-    made from any thread."""
+    """One daemon: its address, the token, and the certificates to trust.
+
+    Every request has a connection of its own, so all methods may be called from any thread.
+    """
 
     def __init__(self, url: str, token: str | None, ca: str | None):
         parts = urllib.parse.urlsplit(url)
@@ -31,12 +33,12 @@ class Transport:
         except ValueError:
             raise UsageError("url has no port from 1 to 65535") from None
         self._host, self._base = parts.hostname, parts.path.rstrip("/")
-        # As the daemon prints its address; earlier versions had the token in the query.
+        # The daemon prints its address with the token in the fragment; earlier versions had it in the query.
         given = urllib.parse.parse_qs(parts.fragment or parts.query).get("token", [None])[0]
         self._token = token if token is not None else given
         if self._token is not None and not (self._token.isascii() and self._token.isprintable() and " " not in self._token):
             raise UsageError("token holds characters that a token cannot hold")
-        self.heard = False  # it has answered something
+        self.heard = False  # whether the daemon has ever answered
         self._tls = None
         if parts.scheme == "https":
             try:
@@ -53,7 +55,7 @@ class Transport:
     @contextlib.contextmanager
     def open(self, method: str, path: str, headers: dict[str, str] | None = None, body: bytes | typing.BinaryIO | None = None,
              timeout: float = TIMEOUT_S) -> typing.Iterator[http.client.HTTPResponse]:
-        """The answer to /v1 + path, which is 2xx; anything else is raised."""
+        """Sends a request for /v1 + path, and yields the answer. Raises an Error if the status is not 2xx."""
         connection = self._connection(timeout)
         sent = {"Accept": "application/json", **(headers or {})}
         if self._token is not None:
@@ -65,7 +67,7 @@ class Transport:
                 except (BrokenPipeError, ConnectionResetError):
                     if body is None:
                         raise
-                    # A daemon that refuses what is sent may have said so before it was all there.
+                    # A daemon that refuses a body may answer, and close the connection, before it has read all of it.
                 answer = connection.getresponse()
                 self.heard = True
             if not 200 <= answer.status < 300:
@@ -94,15 +96,15 @@ class Transport:
             raise ConnectionLost(f"{self.url}: the server has ended the connection: {error!r}") from None
 
     def read(self, answer: http.client.HTTPResponse, amount: int | None = None) -> bytes:
-        """Bytes of an answer; the connection's end before theirs is an IoError."""
+        """Returns bytes of an answer. Raises ConnectionLost if the connection ends before the answer does."""
         with self._as_ours():
             content = answer.read(amount)
-        if not content and answer.length:  # of what its head has promised; the library is silent about it
+        if not content and answer.length:  # bytes are missing, which http.client does not report
             raise ConnectionLost(f"{self.url}: the server has ended the connection within its answer")
         return content
 
     def line(self, answer: http.client.HTTPResponse) -> bytes:
-        """A line of an answer, b"" at its end."""
+        """Returns a line of an answer; b"" at the end of the answer."""
         with self._as_ours():
             return answer.readline(1 << 20)
 
@@ -126,7 +128,7 @@ class Transport:
         return BY_CAUSE.get(problem.get("cause", 0), default)(said)
 
     def document(self, answer: http.client.HTTPResponse) -> dict[str, typing.Any]:
-        """The object in an answer."""
+        """Returns the JSON object in an answer."""
         content = self.read(answer)
         try:
             found = json.loads(content)
@@ -137,7 +139,7 @@ class Transport:
         return found
 
     def ask(self, method: str, path: str, document: object = None, headers: dict[str, str] | None = None) -> dict[str, typing.Any]:
-        """What the server answers to /v1 + path."""
+        """Sends a request for /v1 + path, and returns the JSON object that the server answers."""
         sent = dict(headers or {})
         body = None
         if document is not None:
@@ -149,7 +151,7 @@ class Transport:
             return self.document(answer)
 
     def ask_for_all(self, path: str, member: str) -> list[dict[str, typing.Any]]:
-        """A list over all its pages."""
+        """Returns a list with the items of all its pages."""
         found: list[dict[str, typing.Any]] = []
         here = f"{self._base}/v1{path}"
         while True:

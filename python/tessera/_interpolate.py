@@ -18,17 +18,17 @@ class LinearNDInterpolator:
     Parameters
     ----------
     points
-        n x 2 or n x 3, as for Delaunay, or a Delaunay that is there.
+        n x 2 or n x 3, as for Delaunay, or a finished Delaunay.
     values
-        n x ...: real or complex. Of equal points the first one's counts.
+        n x ...: real or complex values. The value of the first of several equal points counts.
     fill_value
-        What is outside the convex hull.
+        The value outside the convex hull.
     rescale
-        Shift and scale the points to a unit box before they are triangulated; then the triangulation is another.
+        Shifts and scales the points to a unit box before they are triangulated. This changes the triangulation.
 
-    Where a point lies is found exactly, as by Delaunay.find_simplex: inside counts what is on the hull itself, not a
-    rounding error beyond it. At the points given the result is their value, bit for bit; elsewhere it is between the
-    values of the corners, and right to some ten digits also in simplices that are nearly flat.
+    The simplex of a point is found exactly, as by Delaunay.find_simplex: the hull itself is inside, and a point beyond
+    it by a rounding error is outside. At the given points the result is their value, bit for bit. Elsewhere it is
+    between the values of the corners, and right to some ten digits, also in simplices that are nearly flat.
 
     Examples
     --------
@@ -56,19 +56,22 @@ class LinearNDInterpolator:
         if array.ndim == 0 or len(array) != self.tri.npoints:
             raise UsageError(f"values have the shape {array.shape}: there must be one for each of the {self.tri.npoints} points")
         self.values = array
-        """One for each point: float64 or complex128."""
+        """The values, one for each point: float64 or complex128."""
         self.fill_value = fill_value
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
-        """Those that were triangulated."""
+        """The points that were triangulated (rescaled, if `rescale` was given)."""
         return self.tri.points
 
     def __repr__(self) -> str:
         return f"<tessera.LinearNDInterpolator of {self.tri.npoints} points in {self.tri.ndim}D>"
 
     def __call__(self, *xi: npt.ArrayLike) -> np.ndarray:
-        """The values at `xi`: (..., ndim), or ndim arrays of coordinates that broadcast. The shape is (...) and that of a value."""
+        """Returns the values at `xi`: an array of shape (..., ndim), or ndim arrays of coordinates that broadcast.
+
+        The shape of the result is (...), followed by the shape of a value.
+        """
         queries = self._queries(xi)
         flat = np.ascontiguousarray(queries.reshape(-1, self.tri.ndim))
         corners = self.values.reshape(len(self.values), -1)

@@ -1,4 +1,4 @@
-"""A job of a daemon, and what happens to it."""
+"""Jobs of a daemon, and their events."""
 from __future__ import annotations
 
 import json
@@ -18,17 +18,17 @@ ENDED = ("successful", "failed", "dismissed")
 
 
 class Event(typing.NamedTuple):
-    """What happened to a job."""
+    """An event in the life of a job."""
 
     id: int
-    """Ascending; 0 of the status that there was when the watching began."""
+    """Ascending numbers; 0 for the status at the beginning of Job.watch()."""
     kind: str
     """"status", "progress" or "log"."""
     status: dict[str, typing.Any]
-    """As of Job.status(); empty for a line of the log."""
+    """The status of the job, as from Job.status(); empty for a line of the log."""
     text: str
     time: str
-    """RFC 3339, UTC."""
+    """The time of the event, as in RFC 3339, in UTC."""
 
 
 def quoted(name: str) -> str:
@@ -44,19 +44,22 @@ class Job:
 
     @property
     def id(self) -> str:
-        """Its name, good for Client.job() as long as the daemon knows of it."""
+        """The id of the job. Client.job() takes it as long as the daemon knows the job."""
         return self._id
 
     def status(self) -> dict[str, typing.Any]:
-        """What the daemon knows of it: "status" ("accepted", "running", "successful", "failed", "dismissed"), "phase",
-        "progress" (percent), "triangulation" (the name of its result), "problem", ... as docs/service.md lists."""
+        """Returns the status of the job as a dict; docs/service.md lists all its members.
+
+        Among them are "status" ("accepted", "running", "successful", "failed" or "dismissed"), "phase", "progress" (in
+        percent), "triangulation" (the name of the result) and "problem".
+        """
         return self._http.ask("GET", self._path)
 
     def watch(self, patience: float = PATIENCE_S) -> typing.Iterator[Event]:
-        """The status there is, and then events as they come, until the job has ended.
+        """Yields the present status, and then events as they come, until the job has ended.
 
-        A daemon that goes away is waited for, so many seconds; then IoError is raised. Leaving the loop leaves the job
-        alone.
+        If the daemon does not answer any more, watch() waits for it, `patience` seconds at most, and then raises
+        IoError. The job goes on when you leave the loop.
         """
         last: str | None = None
         waiting = Patience(patience)
@@ -67,7 +70,7 @@ class Job:
                     if not stream.headers.get("Content-Type", "").startswith("text/event-stream"):
                         raise self._http.no_tessera()
                     waiting.restart()
-                    # Events are told from now on: what was before is in the status.
+                    # The stream has only events from now on. The status has what happened before.
                     now = self.status()
                     yield Event(0, "status", now, "", now.get("updated", ""))
                     if now.get("status") in ENDED:
@@ -84,7 +87,7 @@ class Job:
                 waiting.wait()
 
     def _events(self, stream: typing.Any) -> typing.Iterator[tuple[str, Event]]:
-        """(its id as the stream has it, the event)."""
+        """Yields (id as text, event) for each event of the stream."""
         last, data = "", b""
         while line := self._http.line(stream):
             name, _, value = line.rstrip(b"\r\n").partition(b":")
@@ -104,10 +107,10 @@ class Job:
                 data = b""
 
     def wait(self, progress: typing.Callable[[Event], object] | None = None, patience: float = PATIENCE_S) -> dict[str, typing.Any]:
-        """Until it is successful; its last status. `progress` is called with each event.
+        """Waits until the job is successful, and returns its last status. Calls `progress` with each event.
 
-        Raises what made it fail, by its cause: BadInputError, MemoryLimitError, ...; InterruptedJobError when it was
-        cancelled.
+        If the job fails, raises an Error of the same cause: BadInputError, MemoryLimitError, ... Raises
+        InterruptedJobError if the job was cancelled.
         """
         status: dict[str, typing.Any] = {}
         for event in self.watch(patience):
@@ -123,7 +126,7 @@ class Job:
         return status
 
     def outcome(self) -> dict[str, typing.Any]:
-        """What a successful job of verify, export or info has found."""
+        """Returns the outcome of a successful verify, export or info job."""
         found = self._http.ask("GET", f"{self._path}/results").get("outcome", {})
         value = found.get("value") if isinstance(found, dict) else None
         if not isinstance(value, dict):
@@ -131,18 +134,18 @@ class Job:
         return value
 
     def cancel(self) -> None:
-        """Stops it, so that resume() can go on with it. UsageError when it has ended."""
+        """Stops the job. resume() can continue it later. Raises UsageError if the job has ended."""
         status = self.status()["status"]
-        if status in ENDED:  # of one that has ended the daemon would forget that it was
+        if status in ENDED:  # a DELETE would make the daemon forget a job that has ended
             raise UsageError(f"job {self._id} has ended already: {status}")
         self._http.ask("DELETE", self._path)
 
     def resume(self) -> None:
-        """Goes on with it after it failed or was cancelled."""
+        """Continues a job that has failed or was cancelled."""
         self._http.ask("POST", f"{self._path}/resume")
 
     def result(self, folder: Path, progress: typing.Callable[[Event], object] | None = None) -> Triangulation:
-        """wait(), and then Client.fetch() of what it made."""
+        """Waits for the job as wait() does, then copies its result into `folder`, as Client.fetch() does."""
         return self._client.fetch(self.wait(progress)["triangulation"], folder)
 
     def __repr__(self) -> str:

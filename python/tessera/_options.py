@@ -1,4 +1,4 @@
-"""Arguments of triangulate() to what the library takes."""
+"""Checks the arguments of triangulate(), and turns them into the options of the library."""
 from __future__ import annotations
 
 import math
@@ -25,7 +25,7 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 columns: typing.Iterable[str] = (), keep: str = "first", store: str = "auto",
                 crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False) -> _tessera.Options:
-    """The options of triangulate(); `dim` None: as the files have it."""
+    """Returns the options of triangulate(). `dim` None: the dimension of the files."""
     options = _tessera.Options()
     if dim not in (None, 2, 3):
         raise UsageError(f"dim is {dim!r}: tessera triangulates in 2 or 3 dimensions")
@@ -66,7 +66,7 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
 
 
 def point_array(points: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """`points` as exact_float64() gives them, n x 2 or n x 3; UsageError otherwise."""
+    """Returns `points` as from exact_float64(). Raises UsageError unless the shape is n x 2 or n x 3."""
     array = exact_float64(points, "points")
     if array.ndim != 2 or array.shape[1] not in (2, 3):
         raise UsageError(f"points have the shape {array.shape}: it must be (n, 2) or (n, 3)")
@@ -74,7 +74,7 @@ def point_array(points: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 
 def file_names(source: typing.Any, input_list: Path | None = None) -> list[bytes] | None:
-    """The files that `source` names, as the system writes them; None when it is no path and no list of them."""
+    """Returns the files that `source` names, as bytes; None if it is neither a path nor a list of paths."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fsencode(source)]
     names = source.tolist() if getattr(source, "ndim", 0) == 1 and hasattr(source, "tolist") else source
@@ -84,7 +84,7 @@ def file_names(source: typing.Any, input_list: Path | None = None) -> list[bytes
 
 
 def positive(value: int | None, name: str, end: int) -> int:
-    """`value`, from 1 to under `end`; 0 for None, which is how the library is told to choose."""
+    """Returns `value`, which must be in [1, end); 0 for None, which lets the library choose."""
     if value is None:
         return 0
     if not isinstance(value, (int, np.integer)) or not 1 <= value < end:
@@ -93,14 +93,14 @@ def positive(value: int | None, name: str, end: int) -> int:
 
 
 def index(value: int, name: str, end: int) -> int:
-    """`value`, from 0 to under `end`."""
+    """Returns `value`, which must be in [0, end)."""
     if not isinstance(value, (int, np.integer)) or not 0 <= value < end:
         raise UsageError(f"{name} is {value!r}: it must be one integer from 0 to {end - 1}")
     return int(value)
 
 
 def memory_bytes(memory: int | str | None) -> int:
-    """Bytes, from what triangulate() takes as `memory`."""
+    """Returns the number of bytes that `memory` means, an argument of triangulate(); 0 for None."""
     if not isinstance(memory, str):
         return positive(memory, "memory", 2**63)
     parts = re.fullmatch(r"(\d+(?:\.\d+)?)([KMGT]?)", memory)

@@ -1,11 +1,11 @@
-"""How far a job is."""
+"""The progress of a job."""
 from __future__ import annotations
 
 import typing
 
 
 class Progress(typing.NamedTuple):
-    """How far a job is: what a progress callback is given."""
+    """The progress of a job, for a progress callback."""
 
     phase: str
     """"planning", "routing", "triangulating", "splaying", "collecting", "finishing", "done"."""
@@ -18,4 +18,4 @@ class Progress(typing.NamedTuple):
     tiles_triangulated: int
     tiles_stored: int
     seconds: float
-    """Since the job began."""
+    """The time since the job began."""

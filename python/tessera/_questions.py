@@ -15,58 +15,64 @@ from ._tile import Tile, cell_word
 
 
 class Located(typing.NamedTuple):
-    """Where n points are. Outside the hull all numbers are -1."""
+    """The cells that contain n points. All numbers are -1 for a point outside the hull."""
 
     tiles: npt.NDArray[np.int64]
-    """The main tile of each point's cell, its Tile.id: n."""
+    """The main tile of each point's cell, as Tile.id: n."""
     cells: npt.NDArray[np.int64]
-    """The cell's row in that tile's `cells`: n."""
+    """The row of each cell in Tile.cells of that tile: n."""
     vertices: npt.NDArray[np.int64]
-    """The ranks of its vertices in the input: n x (dim+1)."""
+    """The vertices of each cell, as ranks in the input: n x (dim+1)."""
 
 
 class Star(typing.NamedTuple):
-    """What is around a vertex."""
+    """A vertex with its neighbours and the m cells around it."""
 
     vertex: int
-    """Its rank in the input; of equal points that of the one that was kept."""
+    """The rank of the vertex in the input; for a duplicate that of the kept point."""
     tile: int
-    """The tile that owns it."""
+    """The tile that owns the vertex."""
     point: npt.NDArray[np.float64]
+    """The coordinates of the vertex: dim."""
     voronoi_volume: float
-    """Of its Voronoi cell, in 2D the area: infinite for a vertex of the hull."""
+    """The volume of the vertex's Voronoi cell, in 2D its area; infinite for a vertex of the hull."""
     neighbors: npt.NDArray[np.int64]
-    """Ranks, ascending."""
+    """The ranks of the neighbours, ascending."""
     cells: npt.NDArray[np.int64]
-    """Ranks, m x (dim+1)."""
+    """The vertices of each cell, as ranks: m x (dim+1)."""
     cell_tiles: npt.NDArray[np.int32]
-    """The main tile of each cell."""
+    """The main tile of each cell: m."""
 
 
 class Weights(typing.NamedTuple):
-    """Of which vertices values are made: those of point i are vertices[offsets[i]:offsets[i+1]]."""
+    """The vertices that make up interpolated values, with their weights.
+
+    The vertices of point i are vertices[offsets[i]:offsets[i+1]], and its weights weights[offsets[i]:offsets[i+1]].
+    """
 
     offsets: npt.NDArray[np.int64]
+    """n + 1 numbers for n points."""
     vertices: npt.NDArray[np.int64]
+    """Ranks in the input."""
     weights: npt.NDArray[np.float64]
-    """They add up to 1 for each point inside the hull."""
+    """The weights of a point inside the hull add up to 1."""
 
 
 class Part(Tile):
-    """Some cells of a triangulation as one tile: all vertices are its own, all cells main."""
+    """Some cells of a triangulation as one tile. No vertex is foreign, and no cell is a ghost."""
 
     def __repr__(self) -> str:
         return f"<tessera.Part: {len(self.points)} points, {len(self.cells)} {cell_word(self.dim)}>"
 
 
 class Answers:
-    """What a Triangulation answers. Tiles that were read stay in memory, 1 GiB of them, for the next question."""
+    """The questions that a Triangulation answers. Up to 1 GiB of tiles stay in memory for the next question."""
 
     _triangulation: _tessera.Triangulation
     _questions: _tessera.Questions | None = None
 
     def _asked(self) -> _tessera.Questions:
-        triangulation = self._triangulation  # UsageError when it is closed
+        triangulation = self._triangulation  # raises UsageError if it is closed
         if self._questions is None:
             self._questions = _tessera.Questions(triangulation, 0, 0)
         return self._questions
@@ -78,37 +84,40 @@ class Answers:
         return array
 
     def locate(self, points: npt.ArrayLike) -> Located:
-        """Which cell has each of n x dim points, exactly; boundaries are included.
+        """Finds the cell that contains each of n x dim points. The answer is exact, and cells contain their boundary.
 
-        Of several cells it is the one whose sorted ranks come first, whatever the tiles. All processors work at it; the
-        GIL is released; Ctrl-C ends it.
+        If several cells contain a point, the answer is the cell whose sorted ranks come first, so it does not depend on
+        the tiles. All processors are used, the GIL is released, and Ctrl-C ends the call.
         """
         return Located(*self._asked().locate(self._points(points), self._triangulation.dimension))
 
     def star(self, vertex: int, tile: int | None = None) -> Star:
-        """The cells and neighbours of a vertex, told by its rank in the input, and the volume of its Voronoi cell.
+        """Returns the cells and neighbours of a vertex, and the volume of its Voronoi cell.
 
-        `tile`: the one that owns it, if it is known; else tiles are read until it is found. UsageError for no such point.
-        It is of one vertex; docs/python.md shows densities of all points at once.
+        `vertex` is the rank of the vertex in the input. `tile` is the tile that owns the vertex; without it tiles are
+        read until the vertex is found. Raises UsageError if there is no such point. docs/python.md shows how to compute
+        volumes and densities for all points at once.
         """
         rank = index(vertex, "vertex", 2**63 - 1)
         owner = None if tile is None else index(tile, "tile", 10**6)
         return Star(*self._asked().star(rank, owner, self._triangulation.dimension))
 
     def cells(self, bbox: npt.ArrayLike | None = None, polygon: typing.Any = None, limit: int | None = None) -> Part:
-        """The cells that have a point in common with a box or with polygons, as one tile.
+        """Returns the cells that have a point in common with a box or with polygons, as one tile.
 
         Parameters
         ----------
         bbox
-            Closed: dim lower bounds, then dim upper ones.
+            A closed box: dim lower bounds, then dim upper bounds.
         polygon
-            A ring of n x 2 points, or GeoJSON as a dict or text, with holes, in the coordinates of the result; by the
-            even-odd rule, its boundary included. In 3D a prism without ends.
+            A ring of n x 2 points, or GeoJSON as a dict or text, in the coordinates of the result. The even-odd rule
+            holds, so polygons may have holes. The boundary belongs to the polygon. In 3D a polygon is a prism without
+            ends.
         limit
-            MemoryLimitError for more cells than that. None: as many as there are.
+            Raises MemoryLimitError for more cells than that. None: no limit.
 
-        Raises UsageError when no argument, or both, say where; BadInputError for GeoJSON that holds no polygon.
+        Raises UsageError unless exactly one of bbox and polygon is given, and BadInputError for GeoJSON without
+        polygons.
         """
         most = positive(limit, "limit", 2**63) or 2**64 - 1
         if (bbox is None) == (polygon is None):
@@ -132,16 +141,16 @@ class Answers:
                     weights: typing.Literal[True]) -> tuple[npt.NDArray[np.float64], Weights]: ...
 
     def interpolate(self, points, value="z", method="linear", weights=False):
-        """An attribute of the vertices at n x dim points: n values, NaN outside the hull.
+        """Interpolates an attribute of the vertices at n x dim points. Returns n values, NaN outside the hull.
 
         Parameters
         ----------
         value
-            The attribute's name; "z" of a 2D result are its heights.
+            The name of the attribute; "z" in a 2D result is the height.
         method
-            "linear": barycentric in the cell that has the point. "natural": Sibson's natural neighbours.
+            "linear": barycentric in the cell that contains the point. "natural": Sibson's natural neighbours.
         weights
-            Return also the Weights.
+            Also returns the Weights.
         """
         if method not in ("linear", "natural"):
             raise UsageError(f"method is {method!r}: it must be 'linear' or 'natural'")

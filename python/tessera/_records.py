@@ -1,4 +1,4 @@
-"""Arrays of points with further columns, to the rows that the library takes."""
+"""Turns arrays of points with further columns into the rows that the library takes."""
 from __future__ import annotations
 
 import re
@@ -13,7 +13,7 @@ TAKEN = ("x", "y", "z", "id", "owner", "vtkGhostType")
 
 
 def point_records(points: npt.NDArray[np.float64], attributes: typing.Mapping[str, npt.ArrayLike]) -> np.ndarray:
-    """`points` and the columns as one array of rows; without columns it is the same memory."""
+    """Returns `points` and the columns as one array of rows. Without columns it shares the memory of `points`."""
     axes = [(axis, "<f8") for axis in "xyz"[: points.shape[1]]]
     if not attributes:
         return points.reshape(-1).view(np.dtype(axes))
@@ -27,12 +27,12 @@ def point_records(points: npt.NDArray[np.float64], attributes: typing.Mapping[st
 
 
 def columns_of(rows: np.ndarray) -> str:
-    """The columns of `rows` as the header of a .npy file has them."""
+    """Returns the columns of `rows` in the form of the header of a .npy file."""
     return repr([(name, kind[0].str) for name, kind in rows.dtype.fields.items()])
 
 
 def column(name: typing.Any, values: npt.ArrayLike, points: npt.NDArray[np.float64]) -> np.ndarray:
-    """One attribute, checked; UsageError for what a result cannot keep."""
+    """Returns the values of an attribute as an array. Raises UsageError for what a result cannot keep."""
     if not isinstance(name, str) or not re.fullmatch(r"[^\x00-\x1f\x7f/'\"\\]+", name) or len(name.encode(errors="replace")) > 64:
         raise UsageError(f"attributes: {name!r} is no name: it must be text of at most 64 bytes, without / and quotation marks")
     if name in TAKEN and not (name == "z" and points.shape[1] == 2):

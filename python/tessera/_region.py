@@ -17,21 +17,24 @@ def region(source: Path | typing.Sequence[Path], bbox: npt.ArrayLike, dim: int |
            scan: bool = False, max_points: int | None = None, max_seconds: float | None = None,
            folder: Path | None = None, overwrite: bool = False, threads: int | None = None,
            memory: int | str | None = None, **options: typing.Any) -> Triangulation:
-    """The cells of a place, without triangulating the rest: exactly those cells of the triangulation of all points of these
-    files that have a point in common with a box, with the ranks of all points.
+    """Returns the cells of a place of raw files, without triangulating the rest of the points.
+
+    These are exactly those cells of the triangulation of all points of the files that have a point in common with the
+    box. Ranks of points (Tile.ids) are those of the whole triangulation.
 
     Parameters
     ----------
     source, dim, folder, overwrite, threads, memory, options
-        As of triangulate(); what says how space is cut into tiles does not count.
+        As for triangulate(). Options about tiles have no effect.
     bbox
-        Closed: (xmin, ymin, xmax, ymax), or in 3D (xmin, ymin, zmin, xmax, ymax, zmax).
+        A closed box: (xmin, ymin, xmax, ymax), or in 3D (xmin, ymin, zmin, xmax, ymax, zmax).
     scan
-        Read all files once and see where their points are, instead of believing the boxes that they state.
+        Reads all files once to learn where their points are, instead of relying on the boxes that the files state.
     max_points, max_seconds
-        MemoryLimitError, with what is still needed, when more would have to be triangulated, or it takes longer.
+        Raises MemoryLimitError if more points would have to be triangulated, or if the call takes longer. The message
+        says what is still needed.
 
-    Raises UsageError when no cell meets the box. The GIL is released; Ctrl-C leaves nothing half-written.
+    Raises UsageError if no cell meets the box. The GIL is released; Ctrl-C leaves nothing half-written.
     """
     files = file_names(source, options.get("input_list"))
     if files is None:

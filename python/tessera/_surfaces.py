@@ -15,44 +15,46 @@ from ._options import Path, index
 
 
 class Raster(typing.NamedTuple):
-    """A surface, drawn."""
+    """A surface as a raster."""
 
     values: npt.NDArray[np.float64]
-    """height x width, from the top; NaN where there is no value."""
+    """The pixels: height x width, from the top row down; NaN for pixels without a value."""
     left: float
+    """The x of the upper left corner, in the coordinates of the result."""
     top: float
-    """Of its corner, in the coordinates of the result."""
+    """The y of the upper left corner."""
     res: float
+    """The width and height of a pixel."""
     crs: str = ""
-    """The coordinate reference system, as that of the result; "" when there is none."""
+    """The coordinate reference system of the result; "" if it has none."""
 
 
 class Contour(typing.NamedTuple):
-    """A line at one height; higher ground is on its left."""
+    """A contour line. Higher ground is on its left."""
 
     value: float
-    """Its height, or what else `value` asked for."""
+    """The height of the line, or its level of the attribute that `value` named."""
     points: npt.NDArray[np.float64]
     """n x 2; a closed line ends with its first point."""
     index: bool = False
-    """Whether it is an index line, of each fifth level."""
+    """Whether the line is an index line; see `index_every`."""
 
 
 class Profile(typing.NamedTuple):
-    """A surface along a line: n places where the line or the surface bends, in their order."""
+    """A surface along a line, at the n places where the line or the surface bends, in the order of the line."""
 
     distances: npt.NDArray[np.float64]
-    """From the line's beginning, in the plane."""
+    """The distance of each place from the beginning of the line, in the plane: n."""
     points: npt.NDArray[np.float64]
-    """n x 2."""
+    """The places: n x 2."""
     values: npt.NDArray[np.float64]
-    """The heights, or what else `value` asked for."""
+    """The heights, or the values of the attribute that `value` named: n."""
     parts: npt.NDArray[np.int64]
-    """Places of one part are joined by straight lines; between parts there is no surface."""
+    """n numbers: straight lines join places of the same part; between parts there is no surface."""
 
 
 class Surfaces:
-    """What is drawn of a Triangulation."""
+    """The drawings that a Triangulation can make of its surface."""
 
     _triangulation: _tessera.Triangulation
 
@@ -68,29 +70,32 @@ class Surfaces:
 
     def dem(self, path=None, *, res, bbox=None, max_edge=None, value="z", doubles=False, overwrite=False,
             hillshade=False, azimuth=None, altitude=None):
-        """The surface of a 2D result as a raster: written to `path`, a Cloud Optimized GeoTIFF, or, without one, returned.
+        """Draws the surface of a 2D result as a raster. Without a path returns a Raster; with `path` writes a Cloud
+        Optimized GeoTIFF.
 
         Parameters
         ----------
         res
             The width and height of a pixel, in units of the coordinates.
         bbox
-            (xmin, ymin, xmax, ymax): what the raster covers. None: the bounds of the result.
+            The box that the raster covers: (xmin, ymin, xmax, ymax). None: the bounds of the result.
         max_edge
-            No pixels in cells with a longer edge in the plane.
+            Leaves out cells with a longer edge in the plane; their pixels have no value.
         value
-            An attribute of the vertices; "z" are the heights.
+            The attribute of the vertices to draw; "z" is the height.
         doubles
-            Pixels of 64 bits; otherwise they are rounded to 32.
+            Pixels have 64 bits; otherwise values are rounded to 32 bits.
         overwrite
-            Replace a file of the same name. Otherwise that is an error.
+            Replaces an existing file of the same name. Otherwise such a file is an error.
         hillshade
-            A hillshade of the surface, from 1 to 255, as `gdaldem hillshade -compute_edges` makes it of the raster. In files
-            its pixels are bytes, and 0 where there is none.
+            Draws a hillshade instead: the one that `gdaldem hillshade -compute_edges` makes of the raster, with values
+            from 1 to 255. In files its pixels are bytes, 0 where there is no value.
         azimuth, altitude
-            The light of a hillshade: degrees from north, clockwise, and above the horizon. None: 315 and 45.
+            The direction of the light for a hillshade: degrees clockwise from north, and degrees above the horizon.
+            None: 315 and 45.
 
-        Warns with a UserWarning when the coordinates have no system. The GIL is released; Ctrl-C leaves nothing half-written.
+        Warns with a UserWarning if a file is written and the coordinates have no coordinate system. The GIL is
+        released; Ctrl-C leaves nothing half-written.
         """
         if not hillshade and not (azimuth is None and altitude is None):
             raise UsageError("azimuth and altitude are of a hillshade: give hillshade=True")
@@ -116,31 +121,33 @@ class Surfaces:
 
     def contours(self, path=None, *, interval, base=0.0, bbox=None, max_edge=None, value="z", smooth=None, min_length=None,
                  index_every=5, overwrite=False):
-        """The contour lines of a 2D result: written to `path`, a .gpkg or .geojson, or, without one, returned as a list.
+        """Draws the contour lines of a 2D result. Returns a list; with `path` writes a .gpkg or .geojson instead.
 
         Parameters
         ----------
         interval
-            Between levels, in units of the heights.
+            The distance between levels, in units of the heights.
         base
-            A level.
+            One of the levels; the others are base + k interval.
         bbox
-            (xmin, ymin, xmax, ymax): only lines in the cells that meet it, uncut. None: all.
+            Draws only the lines in cells that meet the box (xmin, ymin, xmax, ymax), not cut at the box. None: all
+            lines.
         max_edge
-            No lines in cells with a longer edge in the plane.
+            Draws no lines in cells with a longer edge in the plane.
         value
-            An attribute of the vertices; "z" are the heights.
+            The attribute of the vertices to draw; "z" is the height.
         smooth
-            Lines of a smooth surface, for maps: means of the surface in squares of this size, in units of the coordinates.
+            Draws the lines of a smooth surface, for maps: the means of the surface in squares of this size, in units of
+            the coordinates. None: the lines of the triangulated surface itself.
         min_length
-            Without lines that are shorter in the plane, closed or not.
+            Leaves out lines that are shorter in the plane, closed or not.
         index_every
-            Level base + k interval is an index line when this divides k.
+            The level base + k interval is an index line if this number divides k.
         overwrite
-            Replace a file of the same name. Otherwise that is an error.
+            Replaces an existing file of the same name. Otherwise such a file is an error.
 
-        Lines come by level, always in the same order. Warns with a UserWarning when the coordinates have no system and a
-        file is written. The GIL is released; Ctrl-C leaves nothing half-written.
+        Lines are sorted by level, and their order is always the same. Warns with a UserWarning if a file is written and
+        the coordinates have no coordinate system. The GIL is released; Ctrl-C leaves nothing half-written.
         """
         request = _tessera.ContourRequest(float(interval), float(base), plane_box(bbox), number_or_none(max_edge), value,
                                           number_or_none(smooth), number_or_none(min_length), index(index_every, "index_every", 1_000_001))
@@ -161,23 +168,25 @@ class Surfaces:
                 digits: int | typing.Literal["all"] | None = ..., overwrite: bool = ...) -> None: ...
 
     def profile(self, line, path=None, *, max_edge=None, value="z", digits=None, overwrite=False):
-        """The surface of a 2D result along a line: written to `path` as CSV, or, without one, returned.
+        """Draws the surface of a 2D result along a line. Without a path returns a Profile; with `path` writes CSV.
 
         Parameters
         ----------
         line
-            n x 2 points, two or more.
+            n x 2 points, at least two.
         max_edge
             Cells with a longer edge in the plane are not part of the surface.
         value
-            An attribute of the vertices; "z" are the heights.
+            The attribute of the vertices to draw; "z" is the height.
         digits
-            Of files: decimals of all numbers, 0 to 17, or "all": those of the doubles themselves. None: as the data carry.
+            The number of decimals in a file, 0 to 17, or "all": so many that the same doubles are read back. None: the
+            precision that the data have.
         overwrite
-            Replace a file of the same name. Otherwise that is an error.
+            Replaces an existing file of the same name. Otherwise such a file is an error.
 
-        Warns with a UserWarning when a file is written and there is no surface below some of the line: it tells the gaps.
-        Raises UsageError for a line that meets no cell. The GIL is released; Ctrl-C leaves nothing half-written.
+        Warns with a UserWarning if a file is written and parts of the line have no surface below them; the warning
+        tells the gaps. Raises UsageError for a line that meets no cell. The GIL is released; Ctrl-C leaves nothing
+        half-written.
         """
         given = exact_float64(line, "line")
         if given.ndim != 2 or given.shape[1] != 2 or len(given) < 2:
@@ -194,7 +203,7 @@ class Surfaces:
 
 
 def plane_box(bbox: npt.ArrayLike | None) -> list[float] | None:
-    """`bbox` as four numbers; UsageError otherwise."""
+    """Returns `bbox` as four numbers, or None for None. Raises UsageError for another number of them."""
     box = None if bbox is None else exact_float64(bbox, "bbox").ravel().tolist()
     if box is not None and len(box) != 4:
         raise UsageError("bbox must be (xmin, ymin, xmax, ymax)")

@@ -11,10 +11,10 @@ from . import _tessera
 
 
 class Tile:
-    """One tile: its n points, its own and those of other tiles that its cells need, and its m cells.
+    """One tile with its m cells and n points. The points are the tile's own, and foreign ones that its cells need.
 
-    The arrays are read-only views of the tile's memory, not copies. Each of them keeps that memory alive, also when the
-    Tile is gone. `cells[~ghost]`, over all tiles, are the triangulation, each cell once.
+    The arrays are read-only views of the tile's memory, not copies. Each array keeps that memory alive, also when the
+    Tile is deleted. `cells[~ghost]`, over all tiles, are the triangulation, each cell once.
     """
 
     def __init__(self, tile: _tessera.Tile | types.SimpleNamespace):
@@ -27,17 +27,17 @@ class Tile:
 
     @property
     def dim(self) -> int:
-        """2 or 3."""
+        """The dimension: 2 or 3."""
         return self._tile.dimension
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
-        """Coordinates, n x dim, in input units, bit for bit those of the input."""
+        """The coordinates of the points, n x dim, in the units of the input and bit for bit those of the input."""
         return self._tile.points
 
     @property
     def ids(self) -> npt.NDArray[np.int64]:
-        """The rank of each point in the whole input, counted from 0 over all files: n. Of arrays: the row."""
+        """The rank of each point in the whole input, counted from 0 over all files: n. For an array: the row."""
         return self._tile.ids
 
     @property
@@ -47,33 +47,33 @@ class Tile:
 
     @property
     def cells(self) -> npt.NDArray[np.int32]:
-        """Triangles or tetrahedra as rows of `points`: m x (dim+1). All positively oriented: det(p1-p0, ...) > 0."""
+        """The vertices of each cell, as rows of `points`: m x (dim+1), positively oriented: det(p1-p0, ...) > 0."""
         return self._tile.cells
 
     @property
     def ghost(self) -> npt.NDArray[np.bool_]:
-        """True for cells that are here as a copy and belong to another tile: m."""
+        """True for cells that another tile counts, and that are here as copies: m."""
         return self._tile.ghost
 
     @property
     def neighbors(self) -> npt.NDArray[np.int32] | None:
-        """The cell of this tile across the facet opposite each vertex: m x (dim+1). None when they were not kept.
+        """The cell of this tile across the facet opposite each vertex: m x (dim+1). None if neighbours were not stored.
 
-        -1 is outside the convex hull, -2 a cell that only other tiles hold. When no vertex of the facet is the tile's
-        own, -2 may also be outside.
+        -1 is outside the convex hull. -2 is a cell that only other tiles hold. If the tile owns no vertex of the facet,
+        -2 may also be outside the hull.
         """
         neighbors = self._tile.neighbors
         return neighbors if len(neighbors) == len(self._tile.cells) else None
 
     @property
     def attributes(self) -> dict[str, np.ndarray]:
-        """The attributes of the points that triangulate() was asked for, by name: n values each, of their file's type."""
+        """The attributes of the points that triangulate() kept, by name: n values each, of the type that they had in
+        the input. Columns of vertices (Triangulation.measure()) are among them."""
         return self._tile.attributes
 
     @property
     def cell_columns(self) -> dict[str, np.ndarray]:
-        """What was computed of the cells and stored (Triangulation.measure()), by name: m values each. Columns of points are
-        among the attributes."""
+        """The columns of cells (Triangulation.measure()), by name: m values each."""
         return self._tile.cell_columns
 
     def __reduce__(self) -> tuple[typing.Any, ...]:
@@ -89,7 +89,7 @@ class Tile:
 def loaded_tile(id: int, dim: int, points: np.ndarray, ids: np.ndarray, foreign: np.ndarray, cells: np.ndarray,
                 ghost: np.ndarray, neighbors: np.ndarray, attributes: dict[str, np.ndarray],
                 cell_columns: dict[str, np.ndarray]) -> Tile:
-    """A tile that was pickled: of arrays, which need no result folder."""
+    """Returns a tile that was pickled. It consists of arrays and needs no result folder."""
     for array in (points, ids, foreign, cells, ghost, neighbors, *attributes.values(),
                   *cell_columns.values()):
         array.setflags(write=False)

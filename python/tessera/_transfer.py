@@ -1,4 +1,4 @@
-"""Files from a daemon and to it, over as many connections as it takes."""
+"""Transfers of files from and to a daemon, continued on new connections when one ends."""
 from __future__ import annotations
 
 import os
@@ -14,18 +14,18 @@ PATIENCE_S = 600.0
 
 
 class Patience:
-    """How long a daemon that was there and is gone is waited for."""
+    """Waits for a daemon that does not answer any more, up to a given time."""
 
     def __init__(self, seconds: float):
         self._seconds = seconds
         self.restart()
 
     def restart(self) -> None:
-        """It has been heard."""
+        """Starts the time again, because the daemon has answered."""
         self._heard, self._pause = time.monotonic(), 0.25
 
     def wait(self, why: Error | None = None) -> None:
-        """A pause, longer each time. Raises `why` at the end of the patience; without it there is none."""
+        """Pauses, longer each time. Raises `why` if the time is over; without `why` never raises."""
         if why is not None and time.monotonic() - self._heard > self._seconds:
             raise why
         time.sleep(self._pause)
@@ -36,18 +36,21 @@ class File(typing.NamedTuple):
     """A file of a daemon."""
 
     path: str
-    """As Transport.open() takes it."""
+    """The path for Transport.open()."""
     checksum: str | None
-    """XXH3; None: nobody says it, and what is there of it is not gone on with."""
+    """The XXH3 checksum; None if it is not known. Then a download begins anew instead of continuing a partial file."""
     size: int | None = None
     etag: str | None = None
     in_pieces: bool = False
-    """Whether the checksum is that of its pieces, as that of tiles and duplicates from format 3 on."""
+    """Whether the checksum is that of the file's pieces, as for tiles and duplicates from format 3 on."""
 
 
 def download(http: Transport, file: File, to: pathlib.Path, patience_s: float) -> None:
-    """A file, under `to` when it is whole and has its checksum. What is there of it under its temporary name is gone on with,
-    and stays when the connection ends for good."""
+    """Downloads a file to `to`, which appears when the file is whole and has the right checksum.
+
+    The bytes wait in a partial file with the ending .tmp. A download continues a partial file that exists already, and
+    leaves it when the daemon does not answer any more.
+    """
     partial = to.with_name(to.name + ".tmp")
     while True:
         from_before = file.checksum is not None and partial.exists()
@@ -59,7 +62,7 @@ def download(http: Transport, file: File, to: pathlib.Path, patience_s: float) -
             return
         except CorruptError:
             partial.unlink()
-            if not from_before:  # else it may have been the beginning of something else
+            if not from_before:  # a partial file from before may belong to another file: then try once more
                 raise
 
 
@@ -99,7 +102,7 @@ def _difference(file: File, partial: pathlib.Path) -> str | None:
 
 
 def upload(http: Transport, file: pathlib.Path, path: str, patience_s: float) -> None:
-    """A file, to a daemon. A connection that ends is gone on with."""
+    """Uploads a file to a daemon. If the connection ends, the upload continues on a new one."""
     patience, again, have = Patience(patience_s), False, 0
     with file.open("rb") as source:
         size = os.fstat(source.fileno()).st_size
@@ -113,10 +116,10 @@ def upload(http: Transport, file: pathlib.Path, path: str, patience_s: float) ->
                     return
             except ConnectionLost as lost:
                 if not again and source.tell() == have:
-                    raise  # nobody is there
+                    raise  # the daemon has never taken a byte: it is not there
                 failed: Error = lost
             except Error as refused:
-                # Also while the daemon has not seen yet that the connection has ended.
+                # 409 also means that the daemon has not noticed yet that the connection has ended.
                 if not again or refused._http_status != 409:
                     raise
                 failed = refused
@@ -126,7 +129,7 @@ def upload(http: Transport, file: pathlib.Path, path: str, patience_s: float) ->
 
 
 def _uploaded(http: Transport, path: str, before: int, size: int, patience: Patience) -> int:
-    """How much of it has come; `before` when the daemon cannot be asked yet."""
+    """Returns how many bytes the daemon has; `before` if the daemon cannot be reached at the moment."""
     try:
         with http.open("HEAD", path) as answer:
             have = int(answer.headers.get("Upload-Offset", 0))
@@ -138,4 +141,4 @@ def _uploaded(http: Transport, path: str, before: int, size: int, patience: Pati
         have = 0
     if have != before:
         patience.restart()
-    return have if have <= size else 0  # more is another's
+    return have if have <= size else 0  # more bytes than the file has: they are of another file

@@ -1,4 +1,4 @@
-"""From points or files to a triangulation in tiles, and what is known before."""
+"""triangulate(), which makes triangulations in tiles, and info()."""
 from __future__ import annotations
 
 import json
@@ -26,72 +26,76 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
                 keep: str = "first", store: str = "auto") -> Triangulation:
-    """The exact Delaunay triangulation of points of any number, in tiles, on several threads, within given memory.
+    """Computes the exact Delaunay triangulation of any number of points: in tiles, on threads, within a memory limit.
 
     Parameters
     ----------
     source
-        Points: an array or a DataFrame, n x 2 or n x 3, of any numbers and any strides. It is used in place when it is
-        float64 and C-contiguous, and must then not change meanwhile; otherwise it is converted. Numbers that float64
-        would round (int64 beyond 2^53, longdouble) are refused: the result is exact for the points given.
-        Or files: a path, a folder, a pattern ("block/*.laz"), or a list of them, which together make one cloud.
+        Points: an array or a DataFrame, n x 2 or n x 3, of any numeric type and strides. A C-contiguous float64 array
+        is used in place, and must not change during the call; others are converted. Numbers that float64 would round
+        (int64 beyond 2^53, longdouble) are refused, because the result is exact for the points that you give.
+        Or files: a path, a folder, a pattern ("block/*.laz"), or a list of these, which together make one cloud.
     dim
-        2 or 3. None: the number of columns; for files 3, or 2 when they hold x and y alone. Arrays and files with z are
-        triangulated by x and y with dim=2; see `heights`.
+        2 or 3. None: the number of columns; for files 3, or 2 if they have x and y alone. With dim=2 arrays and files
+        with z are triangulated by x and y; see `heights`.
     max_points_per_tile
-        A tile is worked on in memory, at about 700 bytes a point. None: chosen from memory and threads.
+        The size of tiles. A tile needs about 700 bytes a point of memory. None: chosen from memory and threads.
     tiles
-        The number of tiles, instead of their size.
+        The number of tiles, in place of their size.
     partition
-        "kdtree", "grid", "octree" or "random".
+        How space is cut into tiles: "kdtree", "grid", "octree" or "random".
     folder
         The result folder, which stays, for tessera.open() and the programs in docs/formats.md. None: a temporary
-        folder, removed with the Triangulation; tiles that were read stay good.
+        folder, which is removed with the Triangulation. Tiles that were read before can still be used.
     overwrite
-        Replace an earlier result in `folder`. Otherwise that is an error.
+        Replaces an earlier result in `folder`. Otherwise such a result is an error.
     resume
-        Of files: go on with the unfinished run of the same job in `folder`, or start one; and when it is interrupted,
-        leave in `folder` what there is of it.
+        For files: continues the unfinished run of the same job in `folder`, or starts one. If this run is interrupted,
+        it stays in `folder` and can be continued.
     threads
-        None: all processors this process may use.
+        The number of threads. None: all processors that this process may use.
     memory
-        Bytes, or "800M", "4G" (2^20, 2^30). None: 70 % of what is free.
+        Bytes, or "800M", "4G" (M is 2^20, G is 2^30). None: 70 % of the free memory.
     crop
-        (xmin, ymin, xmax, ymax), or in 3D (xmin, ymin, zmin, xmax, ymax, zmax): points outside are left out.
+        Leaves out points outside the closed box (xmin, ymin, xmax, ymax), or in 3D also (xmin, ymin, zmin, xmax, ymax,
+        zmax).
     crs
-        The coordinate system of all points, whatever files say: "EPSG:n", WKT, or a file with one. None: what they say.
+        The coordinate system of all points, in place of what the files say: "EPSG:n", WKT, or a file with one of these.
+        None: what the files say.
     classes
-        Of files: points of these LAS classes only, [2, 9].
+        For files: takes only points of these LAS classes, for example [2, 9].
     returns
-        Of files: the "first", "last" or "single" return of each pulse only, or "all".
+        For files: takes only the "first", "last" or "single" return of each laser pulse, or "all".
     without
-        Of files: no points with one of these flags, ["withheld", "synthetic", "overlap", "key_point"].
+        For files: leaves out points with one of these flags, ["withheld", "synthetic", "overlap", "key_point"].
     columns
-        Of text and .npy files: what their columns are, in their order, whatever a header says: "x", "y", "z", the name of
-        an attribute, or "_" to leave one out, ["p", "y", "x", "z"] or "p,y,x,z". (): what the files say.
+        For text and .npy files: the names of the columns in order, in place of those in the files: "x", "y", "z", the
+        name of an attribute, or "_" for a column to leave out. ["p", "y", "x", "z"] or "p,y,x,z". (): what the files
+        say.
     resolution
-        Of COPC files: the octree levels down to the first whose points are at most so far apart. None: all.
+        For COPC files: reads the octree levels down to the first whose points are at most so far apart. None: all.
     heights
-        In 2D, of points with z: keep it as the attribute "z".
+        In 2D, for points with z: keeps z as the attribute "z".
     keep
-        In 2D, of points with equal x and y: the "first" is the vertex, the "last", the "lowest" or the "highest".
+        In 2D: which of several points with equal x and y is the vertex: the "first", "last", "lowest" or "highest".
     attributes
-        Of the points. From files: ["intensity", "classification"], or "all". Of an array: a dict or DataFrame of
-        columns, {"mass": m}, with a value for each row, bool (kept as uint8), integers, float32 or float64; "z" of an
-        n x 2 array are heights. They are copied. See Tile.attributes.
+        The attributes of the points to keep. For files: their names, ["intensity", "classification"], or "all". For an
+        array: a dict or DataFrame of columns, {"mass": m}, with a value for each row. The type is bool (kept as uint8),
+        an integer, float32 or float64. For an n x 2 array "z" is the height. Values are copied. See Tile.attributes.
     store
-        What the result holds: "cells"; "points", a tenth of the bytes, from which cells are made again when they are
-        asked for; or "auto": points for clouds of more than 50 million.
+        What the result stores: "cells"; "points", which takes a tenth of the bytes, and cells are made again when they
+        are read; or "auto": points for clouds of more than 50 million points, else cells.
     neighbors
-        Keep the neighbours of cells: 33 bytes a tetrahedron on disk instead of 17.
+        Stores the neighbours of cells: 33 bytes a tetrahedron on disk instead of 17.
     skip_invalid
-        Leave points with NaN or infinite coordinates out. Otherwise they are an error.
+        Leaves out points with NaN or infinite coordinates. Otherwise such a point is an error.
     progress
-        Called some ten times a second, in this thread, with a Progress. What it raises ends the job and comes out.
+        A function that is called some ten times a second, in this thread, with a Progress. If it raises an exception,
+        the job ends and triangulate() raises the same exception.
     recursive
-        Take the files in subfolders of folders, too.
+        Takes the files in subfolders of folders, too.
     input_list
-        A text file that names more files, one a line; relative ones begin at its folder.
+        A text file that names more files, one a line. Relative names are relative to the folder of this file.
 
     Returns
     -------
@@ -100,11 +104,11 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     Raises
     ------
     Error
-        One of its subclasses, with a sentence. Nothing half-written is left.
+        One of its subclasses. The message is a sentence. Nothing half-written is left.
     KeyboardInterrupt
-        On Ctrl-C, within a moment, when called in the main thread. Nothing half-written is left.
+        On Ctrl-C, within a moment, if called in the main thread. Nothing half-written is left, except with `resume`.
 
-    The GIL is released while the engine works. Warns with a UserWarning of what is doubtful in files.
+    The GIL is released while the library works. Warns with a UserWarning of anything doubtful in the files.
 
     Examples
     --------
@@ -148,15 +152,17 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
 
 
 def info(source: Path | typing.Sequence[Path] = (), dim: int | None = None, **options: typing.Any) -> dict[str, typing.Any]:
-    """What `tessera info --json` says: of files, what is in them and what triangulating them would take; of a result
-    folder, what it is. Reads no more than headers and a sample.
+    """Returns the output of `tessera info --json` as a dict. Reads only headers and a sample of the points.
+
+    For files it says what is in them, and what triangulating them would take. For a result folder it says what the
+    result is.
 
     Parameters
     ----------
     source
-        Files, as of triangulate(), or one result folder.
+        Files, as for triangulate(), or one result folder.
     dim, options
-        As of triangulate(): they say what would be triangulated, and how.
+        As for triangulate(): they say what would be triangulated, and how.
     """
     files = file_names(source, options.get("input_list"))
     if files is None:
@@ -165,5 +171,5 @@ def info(source: Path | typing.Sequence[Path] = (), dim: int | None = None, **op
 
 
 def warn(sentence: str) -> None:
-    """Where triangulate() was called."""
+    """Warns with a UserWarning that names the line that called triangulate() or region()."""
     warnings.warn(sentence, stacklevel=3)

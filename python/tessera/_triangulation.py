@@ -1,4 +1,4 @@
-"""Triangulations of any size, in tiles."""
+"""The class Triangulation: a triangulation of any size, in tiles on disk."""
 from __future__ import annotations
 
 import collections.abc
@@ -21,38 +21,40 @@ from ._tile import Tile, cell_word
 
 
 class Proof(typing.NamedTuple):
-    """What was counted and passed when a result was proved."""
+    """The outcome of a proof: what was counted, and which checks the result has passed."""
 
     cells: int
     facets: int
     hull_facets: int
     vertices: int
     checks: tuple[str, ...]
-    """A line for each check."""
+    """One line for each check."""
 
 
 class Measures(typing.NamedTuple):
-    """What was measured of a triangulation."""
+    """The outcome of Triangulation.measure()."""
 
     total: float
-    """Over all cells, rounded once: the same for any tiles and threads."""
+    """The sum over all cells, rounded once. It does not depend on tiles or threads."""
     unit: str
-    """"metre^3"; "" when nobody knows."""
+    """For example "metre^3"; "" if the unit is not known."""
     made: bool
-    """False when the columns were there already."""
+    """False if the result had the columns already."""
 
 
 class Columns(collections.abc.Mapping):
-    """What was computed of a triangulation and stored with it, by name: t.columns["volume"] reads the values of all tiles.
+    """The columns of a triangulation, by name. A column is an array that was computed and stored with the result.
 
-    Of cells one value for each row of simplices(); of vertices one for each row of points(), NaN (or 0, if they are whole
-    numbers) in the rows of duplicates.
+    t.columns["volume"] reads the values from all tiles. A column of cells has one value for each row of simplices(). A
+    column of vertices has one value for each row of points(); the rows of duplicates are NaN (0 in columns of
+    integers).
     """
 
     def __init__(self, triangulation: Triangulation):
         self._of = triangulation
         self.info: dict[str, dict[str, typing.Any]] = {one["name"]: one for one in triangulation._triangulation.columns()}
-        """By name: what it is of ("cells" or "vertices"), type, unit, and the version of the result it came with."""
+        """For each name a dict: "of" ("cells" or "vertices"), "type", "unit", and the "version" of the result that
+        brought the column."""
 
     def __len__(self) -> int:
         return len(self.info)
@@ -82,7 +84,7 @@ class Columns(collections.abc.Mapping):
 
 
 class Tiles(collections.abc.Sequence):
-    """Some tiles of a triangulation, t[2:5]: a sequence like the triangulation itself, each read when it is asked for."""
+    """Some tiles of a triangulation, as t[2:5] returns them: a sequence that reads a tile each time you index it."""
 
     def __init__(self, triangulation: Triangulation, indices: range):
         self._of = triangulation
@@ -104,10 +106,10 @@ class Tiles(collections.abc.Sequence):
 
 
 class Triangulation(Answers, Surfaces):
-    """A finished triangulation on disk: a sequence of tiles, each read when it is asked for.
+    """A finished triangulation on disk, from triangulate(), region() or open(): a sequence of tiles.
 
-    `len(t)` is the number of tiles with points, `t[i]` reads one, `for tile in t` one after the other: no more than one
-    or two are in memory. From triangulate() or open().
+    `len(t)` is the number of tiles with points. `t[i]` reads a tile from disk. `for tile in t` reads one tile after the
+    other, so only one or two tiles are in memory at a time.
     """
 
     def __init__(self, triangulation: _tessera.Triangulation):
@@ -120,7 +122,8 @@ class Triangulation(Answers, Surfaces):
         return self._held
 
     def close(self) -> None:
-        """Lets go of the result, as the end of `with` does: a temporary folder is removed; tiles that were read stay good."""
+        """Closes the triangulation, as the end of `with` does. A temporary folder is removed. Tiles that were read
+        before can still be used."""
         self._held = self._questions = None
 
     def __enter__(self) -> Triangulation:
@@ -130,53 +133,54 @@ class Triangulation(Answers, Surfaces):
         self.close()
 
     def __reduce__(self) -> tuple[typing.Any, ...]:
-        """Pickled is the name of the folder: of a temporary one, good as long as this object."""
+        """Pickles the name of the folder. A temporary folder exists only as long as this object."""
         return open, (os.path.abspath(self.folder),)
 
     @property
     def dim(self) -> int:
-        """2 or 3."""
+        """The dimension: 2 or 3."""
         return self._triangulation.dimension
 
     @property
     def n_points(self) -> int:
-        """Points read, n_duplicates of them included."""
+        """The number of points that were read, duplicates included."""
         return self._triangulation.points_read
 
     @property
     def n_vertices(self) -> int:
-        """Different points: the vertices."""
+        """The number of vertices, which are the distinct points."""
         return self._triangulation.vertices
 
     @property
     def n_duplicates(self) -> int:
-        """Points that equal another one, which is the vertex: the first, or what `keep` has chosen."""
+        """The number of points that are no vertices because they equal another point. `keep` says which of equal points
+        is the vertex; by default the first."""
         return self._triangulation.duplicates
 
     @property
     def n_duplicates_at_other_heights(self) -> int | None:
-        """In 2D those of them whose height is not that of the vertex; None when heights are not known."""
+        """In 2D the number of duplicates whose height is not that of the vertex; None if heights are not known."""
         return self._triangulation.duplicates_at_other_heights
 
     @property
     def n_cells(self) -> int:
-        """Triangles (2D) or tetrahedra (3D), each counted once."""
+        """The number of triangles (2D) or tetrahedra (3D), each counted once."""
         return self._triangulation.cells
 
     @property
     def digest(self) -> str:
-        """32 hexadecimal digits, equal for two results if and only if they are the same triangulation of the same points
-        in the same order, whatever their tiles. "" for results of software that made none."""
+        """32 hexadecimal digits. Two results have the same digest if and only if they are the same triangulation of the
+        same points in the same order, whatever their tiles are. "" for results of software that made no digest."""
         return self._triangulation.digest
 
     @property
     def folder(self) -> pathlib.Path:
-        """The result folder. A temporary one goes with this object; tiles that were read stay good."""
+        """The result folder. A temporary folder is removed with this object; tiles already read can still be used."""
         return self._triangulation.folder
 
     @property
     def crs(self) -> str:
-        """The coordinate reference system as the input files say it; "" when they say none."""
+        """The coordinate reference system, from the input files or the argument `crs`; "" if it is not known."""
         return self._triangulation.crs
 
     def __len__(self) -> int:
@@ -189,16 +193,17 @@ class Triangulation(Answers, Surfaces):
     def __getitem__(self, index: slice) -> Tiles: ...
 
     def __getitem__(self, index):
-        """Reads tile `index`, from -len(t) to len(t)-1, from disk; the GIL is released. Of a slice: Tiles."""
+        """Reads tile `index`, from -len(t) to len(t)-1, from disk; the GIL is released. For a slice returns Tiles."""
         return Tiles(self, range(len(self)))[index]
 
     def __iter__(self) -> typing.Iterator[Tile]:
         return iter(Tiles(self, range(len(self))))
 
     def simplices(self) -> npt.NDArray[np.int64]:
-        """All cells in one array, n_cells x (dim+1) ranks of points in the input (rows, if the input was an array).
+        """Returns all cells in one array: n_cells x (dim+1) ranks of points in the input (rows, if the input was an
+        array).
 
-        Takes 8 (dim+1) bytes a cell, some 200 bytes a point in 3D, besides one tile at a time.
+        The array takes 8 (dim+1) bytes a cell, some 200 bytes a point in 3D. One tile is in memory at a time.
         """
         cells = np.empty((self.n_cells, self.dim + 1), np.int64)
         end = 0
@@ -209,9 +214,10 @@ class Triangulation(Answers, Surfaces):
         return cells
 
     def points(self) -> npt.NDArray[np.float64]:
-        """The vertices' coordinates by rank in the input, n_points x dim, to go with simplices().
+        """Returns the coordinates of the vertices by rank in the input, n_points x dim, for use with simplices().
 
-        NaN in the rows of duplicates: no simplex has them. Takes 8 dim bytes a point, besides one tile at a time.
+        The rows of duplicates are NaN; no simplex has them. The array takes 8 dim bytes a point. One tile is in memory
+        at a time.
         """
         points = np.full((self.n_points, self.dim), np.nan)
         for tile in self:
@@ -226,24 +232,26 @@ class Triangulation(Answers, Surfaces):
         Parameters
         ----------
         target
-            With an ending, one file; else a folder with a file for each tile ("npy": a folder of arrays).
+            A name with an ending is one file; a name without an ending is a folder with a file for each tile ("npy": a
+            folder of arrays).
         format
-            "ply", "vtu", "off", "obj", "mesh", "msh", "mshb", "dxf", "landxml", "npy", "geojson", "gpkg" or "csv"
-            (docs/formats.md). None: as the ending of `target` says.
+            "ply", "vtu", "off", "obj", "stl", "glb", "mesh", "msh", "mshb", "dxf", "landxml", "npy", "geojson", "gpkg"
+            or "csv" (docs/formats.md). None: the format of the ending of `target`.
         heights
-            2D: the attribute "z", if the points have one, becomes the third coordinate.
+            2D: the attribute "z", if the points have it, becomes the third coordinate.
         overwrite
-            Replace files of the same names. Otherwise that is an error.
+            Replaces existing files of the same names. Otherwise such files are an error.
         index
-            GeoPackage: write a spatial index. Without it writing is four times as fast, but maps are slow.
+            GeoPackage: writes a spatial index. Writing is four times as fast without an index, but maps are slow.
         max_edge
-            Leave out cells with an edge longer than this, in units of the coordinates (2D: in the plane), and vertices that
-            no cell has then.
+            Leaves out cells with an edge longer than this, and vertices that then have no cell. In units of the
+            coordinates (2D: in the plane).
         local
-            "ply", "obj" and "off": coordinates count from the whole-numbered corner of the box, for programs that keep
-            floats of 32 bits. The file says in a comment where the corner is.
+            "ply", "obj", "off" and "stl": writes coordinates relative to the lower corner of the box, rounded down to
+            whole numbers, for programs that keep 32-bit floats. The file says in a comment where the corner is.
 
-        Warns with a UserWarning of what the format could not keep. The GIL is released; Ctrl-C leaves nothing half-written.
+        Warns with a UserWarning of what the format could not keep. The GIL is released; Ctrl-C leaves nothing
+        half-written.
         """
         request = _tessera.ExportRequest()
         request.format(format or "")
@@ -258,16 +266,17 @@ class Triangulation(Answers, Surfaces):
             warnings.warn(note, stacklevel=2)
 
     def verify(self, memory: int | str | None = None, scratch: Path | None = None, against_cgal: bool = False) -> Proof:
-        """Proves, from the files alone and within memory, that they hold the Delaunay triangulation of their points.
+        """Proves from the files alone that the result is the Delaunay triangulation of its points.
 
         Parameters
         ----------
         memory
-            For facets before they are sorted on disk: bytes, or "800M", "4G". None: 70 % of what is free.
+            The memory for facets: bytes, or "800M", "4G". More facets are sorted on disk. None: 70 % of the free
+            memory.
         scratch
-            Where to sort them. None: the system's temporary folder.
+            The folder in which facets are sorted. None: the system's temporary folder.
         against_cgal
-            Also build the whole triangulation with CGAL in memory, and compare every cell.
+            Also triangulates all points with CGAL in memory, and compares every cell.
 
         Raises NotDelaunayError with the first violation, CorruptError for damaged files, KeyboardInterrupt on Ctrl-C.
         """
@@ -280,24 +289,25 @@ class Triangulation(Answers, Surfaces):
 
     @property
     def columns(self) -> Columns:
-        """What was computed of the triangulation so far, and stored with it: t.columns["volume"]. See measure()."""
+        """The columns of the triangulation, by name: t.columns["volume"]. measure() computes columns."""
         return Columns(self)
 
     def measure(self, volume: bool = False, memory: int | str | None = None, threads: int = 0) -> Measures:
-        """Computes columns and adds them to the result folder, as a new version of the result, which this object then is.
+        """Computes columns and adds them to the result folder, as a new version of the result. This object becomes the
+        new version.
 
         Parameters
         ----------
         volume
-            The volume of each cell, as t.columns["volume"], and of each vertex that of the cells around it, as
-            t.columns["star_volume"]. In 2D they are areas in the plane, "area" and "star_area".
+            The volume of each cell, as t.columns["volume"], and for each vertex the sum of the volumes of its cells, as
+            t.columns["star_volume"]. In 2D these are areas in the plane, "area" and "star_area".
         memory
-            For tiles: bytes, or "800M", "4G". None: 70 % of what is free.
+            The memory for tiles: bytes, or "800M", "4G". None: 70 % of the free memory.
         threads
-            0: all processors.
+            The number of threads. 0: all processors.
 
-        Who reads the result meanwhile is not disturbed. Ctrl-C leaves the result as it was. Columns that are there already
-        are not computed again. Warns with a UserWarning of values that need a word.
+        Other programs can read the result at the same time. Ctrl-C leaves the result as it was. Existing columns are
+        not computed again. Warns with a UserWarning if there is something to say about the values.
         """
         request = _tessera.MeasureRequest()
         request.volume(volume)
@@ -310,7 +320,7 @@ class Triangulation(Answers, Surfaces):
         return Measures(total, unit, made)
 
     def info(self) -> dict[str, typing.Any]:
-        """What `tessera info --json` says of the result: inputs, box, CRS, tiles, digest, seconds, ..."""
+        """Returns the output of `tessera info --json` as a dict: inputs, box, CRS, tiles, digest, seconds, ..."""
         return json.loads(self._triangulation.describe())
 
     def __repr__(self) -> str:
@@ -321,8 +331,8 @@ class Triangulation(Answers, Surfaces):
 
 
 def open(folder: Path) -> Triangulation:
-    """The triangulation in a result folder, of triangulate(folder=...) or of the command `tessera triangulate`.
+    """Opens the triangulation in a result folder, from triangulate(folder=...) or the command `tessera triangulate`.
 
-    Raises IoError when there is none, CorruptError when it is damaged.
+    Raises IoError if there is no result, and CorruptError if the result is damaged.
     """
     return Triangulation(_tessera.Triangulation.open(os.fspath(folder)))

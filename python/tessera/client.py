@@ -1,4 +1,4 @@
-"""Jobs and results of a daemon, asked for over HTTP."""
+"""The client of a daemon: submits jobs and fetches results over HTTP."""
 from __future__ import annotations
 
 import contextlib
@@ -17,31 +17,32 @@ from ._options import Path
 from ._transfer import PATIENCE_S, File, download, upload
 from ._triangulation import Proof, Triangulation, open as open_folder
 
-# Where the service calls an option otherwise than triangulate().
+# The options of triangulate() that have another name in the service.
 FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "spatial_index"}
-# The other file of an export of two, by what was asked for.
+# Exports of two files: the ending of the other file, by the ending of the file that was asked for.
 BESIDE = {".csv": (".vrt",), ".vrt": (".csv",)}
 
 class Client:
-    """A daemon, from connect(), whose arguments these are. All may be called from any thread."""
+    """A client of a daemon, from connect(), which has the same arguments. All methods may be called from any thread."""
 
     def __init__(self, url: str, token: str | None = None, ca: Path | None = None):
         self._http = Transport(url, token, None if ca is None else os.fspath(ca))
 
     def submit(self, inputs: Path | typing.Iterable[Path], output: str = "", *, key: str | None = None,
                **options: typing.Any) -> Job:
-        """Gives the daemon a job: to triangulate files.
+        """Submits a job to the daemon: to triangulate files.
 
         Parameters
         ----------
         inputs
-            Files, folders or patterns below the folders that the daemon may read, as it sees them.
+            Files, folders or patterns, by the names that the daemon has for them, below the folders that it may read.
         output
-            The name of the result; "": the daemon chooses one.
+            The name of the result. "": the daemon chooses a name.
         key
-            Submitted again with the same key and options it is the same job, also when the answer was lost.
+            A job that is submitted again with the same key and options is the same job, also if the answer was lost.
         options
-            As of tessera.triangulate(): dim, memory, crop, classes, ...; what is None or not given has the daemon's default.
+            As for tessera.triangulate(): dim, memory, crop, classes, ... Options that are None or not given have the
+            daemon's defaults.
         """
         return self._execute("triangulate", {"inputs": _names(inputs), "output": output, **_fields(options)}, key)
 
@@ -52,7 +53,7 @@ class Client:
 
     def verify(self, name: str, memory: int | str | None = None, against_cgal: bool = False,
                progress: typing.Callable[[Event], object] | None = None) -> Proof:
-        """Has the daemon prove a result, as Triangulation.verify() does here; raises what that raises."""
+        """Lets the daemon prove a result, as Triangulation.verify() does here. Raises the same errors."""
         job = self._execute("verify", {"triangulation": name, **_fields({"memory": memory, "against_cgal": against_cgal})})
         job.wait(progress)
         found = job.outcome()
@@ -64,10 +65,13 @@ class Client:
     def export(self, name: str, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
                index: bool = True, max_edge: float | None = None, progress: typing.Callable[[Event], object] | None = None,
                patience: float = PATIENCE_S) -> None:
-        """Has the daemon write a result for other programs, and brings the files here; as Triangulation.export(), also in
-        its arguments and what it raises and warns of. They do not stay at the daemon."""
+        """Lets the daemon write a result for other programs, and downloads the files. They do not stay at the daemon.
+
+        Arguments, errors and warnings are those of Triangulation.export(). `progress` is called with each event of the
+        job. `patience` is how many seconds to wait for a daemon that does not answer any more.
+        """
         path = pathlib.Path(target)
-        # The daemon takes a name without an ending for a folder.
+        # For the daemon a name without an ending is a folder.
         into = path.is_dir() or os.fspath(target).endswith(os.sep) or not path.suffix
         if path.exists() and not overwrite and (not into or not path.is_dir() or any(path.iterdir())):
             raise UsageError(f"{path}: exists already; overwrite=True replaces it")
@@ -91,14 +95,14 @@ class Client:
             warnings.warn(found["note"], stacklevel=2)
 
     def info(self, source: Path | typing.Iterable[Path], dim: int | None = None, **options: typing.Any) -> dict[str, typing.Any]:
-        """As tessera.info(), of inputs as the daemon sees them, or of one of its results.
+        """Returns what tessera.info() does, for files that the daemon can read, or for one of its results.
 
         Parameters
         ----------
         source
-            Files, folders, patterns, or the name of a result, which goes first.
+            Files, folders, patterns, or the name of a result. A name that both a result and a file have is the result.
         dim, options
-            As of submit(); and stats=True: read all points, for their classes, returns, box and density.
+            As for submit(). stats=True reads all points, for their classes, returns, box and density.
         """
         names = _names(source)
         inputs: dict[str, typing.Any] = {"inputs": names, **_fields({"dim": dim, **options})}
@@ -119,9 +123,10 @@ class Client:
         return job.outcome()
 
     def upload(self, files: Path | typing.Iterable[Path], folder: str, patience: float = PATIENCE_S) -> list[str]:
-        """Sends files from here, in place of what has the same names there; a connection that ends is gone on with.
+        """Uploads files to a folder of the daemon. They replace files of the same names there.
 
-        Gives what submit() and info() call them: "upload:FOLDER/FILE". UsageError when the daemon takes no uploads.
+        If the connection ends, the upload continues on a new one. Returns the names of the files for submit() and
+        info(): "upload:FOLDER/FILE". Raises UsageError if the daemon takes no uploads.
         """
         sent = []
         for name in _names(files):
@@ -132,49 +137,55 @@ class Client:
         return sent
 
     def job(self, id: str) -> Job:
-        """The job of that id. Whether there is one is told when it is asked."""
+        """Returns the job with this id. If there is no such job, the job's methods raise UsageError."""
         return Job(self, id)
 
     def jobs(self, status: typing.Iterable[str] = ()) -> list[dict[str, typing.Any]]:
-        """All jobs, as of Job.status(), or those in these states."""
+        """Returns the status of all jobs, as Job.status() does, or only of jobs with one of these states."""
         states = [status] if isinstance(status, str) else list(status)
         query = f"&status={quoted(','.join(states))}" if states else ""
         return self._http.ask_for_all(f"/jobs?limit=1000{query}", "jobs")
 
     def results(self) -> list[dict[str, typing.Any]]:
-        """What the daemon has made: "name", "dimension", "vertices", "cells", "tiles", "bytes", "digest", ... of each."""
+        """Returns the results of the daemon, each a dict of "name", "dimension", "vertices", "cells", "tiles", "bytes",
+        "digest", ..."""
         return self._http.ask_for_all("/triangulations", "triangulations")
 
     def inputs(self, folder: str = "") -> list[dict[str, typing.Any]]:
-        """The point files and folders that jobs may read: "name", "folder", "bytes", "points", "bounds", "crs", ... of each.
+        """Returns the point files and folders that jobs may read, each a dict of "name", "folder", "bytes", "points",
+        "bounds", "crs", ...
 
         Parameters
         ----------
         folder
-            As the "name" of one that was listed; "upload:NAME" for what was sent there. All that the daemon reads from by default.
+            The "name" of a folder from an earlier list, or "upload:NAME" for a folder of uploads. "": all folders that
+            the daemon may read.
         """
         return self._http.ask_for_all(f"/inputs?folder={quoted(folder)}", "inputs")
 
     def nodes(self) -> list[dict[str, typing.Any]]:
-        """Who works on the jobs: "name", "address", "state", "threads", "memoryBytes", "memoryUsedBytes", ... of each node."""
+        """Returns the nodes that work on jobs, each a dict of "name", "address", "state", "threads", "memoryBytes",
+        "memoryUsedBytes", ..."""
         try:
             return list(self._http.ask("GET", "/nodes")["nodes"])
         except (KeyError, TypeError):
             raise self._http.no_tessera() from None
 
     def drain(self, node: str) -> dict[str, typing.Any]:
-        """Takes all work from a node of the cluster, by its name or id, and lets its process end: for a rolling restart.
+        """Takes all work from a node of the cluster, and lets its process end, for a rolling restart.
 
-        Gives what it was. UsageError when it is the only one, or the daemon is no cluster.
+        `node` is the name or id of the node. Returns its state, as from nodes(). Raises UsageError if it is the only
+        node, or if the daemon is no cluster.
         """
         return self._http.ask("POST", f"/nodes/{quoted(node)}/drain")
 
     def fetch(self, name: str, folder: Path, patience: float = PATIENCE_S) -> Triangulation:
-        """Copies a result into a folder here: the same as tessera.open() gives.
+        """Copies a result into a folder here, and returns it as tessera.open() does.
 
-        The folder is new, empty, or what an earlier fetch of the same result has left, which is gone on with. Each file has
-        the length and the checksum that the manifest says, and the manifest is there when all are. A connection that ends is
-        gone on with; a daemon that goes away is waited for, so many seconds.
+        The folder must be new, empty, or left by an earlier fetch of the same result, which fetch() then continues.
+        Each file is compared with the length and the checksum in the manifest, and the manifest appears last. If the
+        connection ends, fetch() continues on a new one. If the daemon does not answer, fetch() waits for it, `patience`
+        seconds at most.
         """
         out = pathlib.Path(folder)
         path = f"/triangulations/{quoted(name)}/files"
@@ -202,7 +213,7 @@ class Client:
         return open_folder(out)
 
     def _fetch_report(self, path: str, out: pathlib.Path, patience: float) -> None:
-        """For people: a result is whole without it."""
+        """Downloads the report, if there is one. A result is complete without it."""
         try:
             download(self._http, File(f"{path}/report.html", None), out / "report.html", patience)
         except UsageError:
@@ -213,7 +224,7 @@ class Client:
 
 
 def _tile_file(tile: dict[str, typing.Any]) -> str:
-    """The name of a tile's file, from the result folder on. ValueError for a name that no tile has."""
+    """Returns the name of a tile's file, relative to the result folder. Raises ValueError for an impossible name."""
     name = tile.get("file") or f"tiles/{int(tile['tile']):06}.{'pts' if tile.get('kind') == 'points' else 'vtu'}"
     if not re.fullmatch(r"tiles/[0-9]{6,10}(-[0-9]{1,10})?[.](vtu|pts)", name):
         raise ValueError(name)
@@ -225,7 +236,7 @@ def _names(inputs: Path | typing.Iterable[Path]) -> list[str]:
 
 
 def _fields(options: dict[str, typing.Any]) -> dict[str, typing.Any]:
-    """As the service has them."""
+    """Returns the options with the names and types of the service."""
     sent = {}
     for name, value in options.items():
         if value is None:
@@ -246,8 +257,11 @@ def _fields(options: dict[str, typing.Any]) -> dict[str, typing.Any]:
 
 def _written(outcome: dict[str, typing.Any], url: str, output: str,
              suffix: str | None) -> list[tuple[File, pathlib.PurePosixPath]]:
-    """The files of an export, below the result's, and what they are called here: below the folder `output`, or, with a
-    suffix, `output` itself and what stands beside it. Nothing that a server says leads out of that."""
+    """Returns the files of an export, with their names here.
+
+    With a suffix these are `output` itself and files beside it, else files below the folder `output`. A server cannot
+    name a file outside of that: other paths raise CorruptError.
+    """
     files = []
     try:
         for entry in outcome["written"]:
@@ -269,7 +283,7 @@ def _written(outcome: dict[str, typing.Any], url: str, output: str,
 
 @contextlib.contextmanager
 def _disk(place: pathlib.Path) -> typing.Iterator[None]:
-    """What the disk refuses, as IoError."""
+    """Turns an OSError of the disk into an IoError."""
     try:
         yield
     except IoError:
@@ -279,7 +293,7 @@ def _disk(place: pathlib.Path) -> typing.Iterator[None]:
 
 
 def _holds(out: pathlib.Path, manifest: bytes) -> bool:
-    """Whether the folder holds that result already. UsageError when it holds anything else but the beginning of it."""
+    """Returns whether the folder holds this result already. Raises UsageError if it holds anything but a part of it."""
     for name, finished in (("manifest.json", True), ("manifest.json.tmp", False)):
         if (out / name).exists():
             if (out / name).read_bytes() == manifest:
@@ -291,19 +305,19 @@ def _holds(out: pathlib.Path, manifest: bytes) -> bool:
 
 
 def connect(url: str, token: str | None = None, ca: Path | None = None) -> Client:
-    """A daemon to ask.
+    """Returns a client of a daemon.
 
     Parameters
     ----------
     url
-        "http://127.0.0.1:7070", also as the daemon prints it, with its token.
+        The address of the daemon, "http://127.0.0.1:7070", or the address with its token, as the daemon prints it.
     token
-        None: that of the url, or of the environment variable TESSERA_TOKEN.
+        None: the token in the url, or else the environment variable TESSERA_TOKEN.
     ca
         For https: a PEM file with the certificates to trust. None: those of the system.
 
-    Nothing is sent before something is asked. Errors are those of tessera.Error: IoError when the daemon cannot be reached,
-    UsageError when it refuses the token or is none, and what it answers by its cause.
+    connect() itself sends nothing. Methods of the client raise IoError if the daemon cannot be reached, UsageError if
+    it refuses the token or is no Tessera daemon, and otherwise an Error of the cause that the daemon answers.
     """
     if token is None and "#token=" not in url and "?token=" not in url:
         token = os.environ.get("TESSERA_TOKEN") or None

@@ -1,4 +1,4 @@
-// Point data carried from the input to the result: intensity, classification, colours, ...
+// Attributes: data of points that the result takes over from the input, such as intensity, classification or colours.
 #pragma once
 
 #include <cstddef>
@@ -31,12 +31,12 @@ constexpr std::size_t size_of(AttributeType type) {
 }
 
 struct Attribute {
-  std::string name;  // as VTK will show it: "intensity", "classification", "return_number", "gps_time", "red", ...
+  std::string name;  // as VTK shows it: "intensity", "classification", "return_number", "gps_time", "red", ...
   AttributeType type = AttributeType::f64;
   friend bool operator==(const Attribute&, const Attribute&) = default;
 };
 
-// The attributes of one point packed one after the other in schema order, without padding, make a row.
+// The bytes of a row. A row has the attributes of one point, packed in the order of the schema without padding.
 inline std::size_t row_bytes(const std::vector<Attribute>& schema) {
   std::size_t bytes = 0;
   for (const auto& a : schema) bytes += size_of(a.type);

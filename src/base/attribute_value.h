@@ -1,4 +1,4 @@
-// An attribute of one vertex as a number.
+// Reads an attribute of one point from a row.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-// Calls `visit` with the value at `from`, in its own type.
+// Calls `visit` with the value at `from`, in its own type. Returns what `visit` returns.
 template <class Visit>
 auto visit_value(AttributeType type, const std::byte* from, Visit&& visit) {
   const auto as = [&](auto value) {
@@ -48,14 +48,14 @@ inline double as_double(AttributeType type, const std::byte* from) {
   return visit_value(type, from, [](auto value) { return static_cast<double>(value); });
 }
 
-// Where in a row of attributes a value stands.
+// Where the value of an attribute stands in a row.
 struct RowColumn {
   std::size_t offset = 0;
   AttributeType type = AttributeType::f64;
   double value(const std::byte* row) const { return as_double(type, row + offset); }
 };
 
-// Nothing when the rows of this schema have no attribute of this name.
+// Finds the attribute `name` in rows of this schema. Returns nothing when the schema lacks the attribute.
 inline std::optional<RowColumn> column_of(const std::vector<Attribute>& schema, std::string_view name) {
   std::size_t offset = 0;
   for (const Attribute& attribute : schema) {

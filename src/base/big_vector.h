@@ -1,5 +1,6 @@
-// Vectors for arrays of many megabytes: their memory comes from the pool, and resize(n) does not initialise new
-// elements, so that what is filled at once is not touched twice. assign(n, value) and resize(n, value) are as usual.
+// Vectors for arrays of many megabytes. Their memory comes from the memory pool. resize(n) does not initialise new
+// elements, so an array that is filled at once is not touched twice. assign(n, value) and resize(n, value) work as
+// usual.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,7 @@ class PoolAllocator {
   T* allocate(std::size_t n) {
     if (n > std::size_t(-1) / 4 / sizeof(T)) throw std::bad_alloc();
     if (n * sizeof(T) < large) return static_cast<T*>(::operator new(n * sizeof(T)));
-    // What is needed to give it back stands before it.
+    // The mapping is stored in front of the elements, because deallocate() needs it.
     const Mapping mapping = map_memory(n * sizeof(T) + header);
     ::new (static_cast<void*>(mapping.at)) Mapping(mapping);
     return reinterpret_cast<T*>(mapping.at + header);

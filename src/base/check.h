@@ -1,6 +1,6 @@
-// Two kinds of things that should never be: our own mistakes, which stop the process in every build, because a wrong
-// cell is worse than none; and what only damaged or forged bytes of a disk or a peer can lead to, which ends the work
-// on them.
+// Checks for two kinds of things that must never be. check() is for bugs of this program: it ends the process in every
+// build, because a wrong cell is worse than none. check_read() is for what only damaged or forged bytes from a disk or
+// a peer can cause: it ends the work on these bytes by an exception.
 #pragma once
 
 #include <cstdio>
@@ -16,13 +16,13 @@ inline void check(bool holds, const char* what) {
   std::abort();
 }
 
-// Thrown deep inside work on what was read, where an error as a value would have to pass through every step of an
-// algorithm. Whoever has read the bytes catches it, and makes an error of it that names them.
+// Thrown deep inside work on bytes that were read, where passing an error value through every step of an algorithm
+// would cost too much. The code that read the bytes catches the exception and turns it into an error that names them.
 struct Unsound : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// For what holds of all bytes that this program has written, and of no others.
+// For conditions that hold for all bytes that this program has written, but need not hold for others.
 inline void check_read(bool holds, const char* what) {
   if (!holds) [[unlikely]]
     throw Unsound(what);

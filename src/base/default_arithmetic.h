@@ -1,13 +1,14 @@
-// Exactness rests on what doubles do by default. Other code in a process may have changed that for its threads:
-// libraries built with -ffast-math flush the smallest numbers to zero as soon as they are loaded (FTZ and DAZ), others
-// round another way or trap. Threads begin with what the thread has that starts them.
+// The floating-point environment. Exactness needs the default behaviour of doubles. Other code in the process may have
+// changed that for its threads: libraries built with -ffast-math flush the smallest numbers to zero (FTZ and DAZ) as
+// soon as they are loaded, and other code changes rounding or traps. A new thread inherits the environment of the
+// thread that starts it.
 #pragma once
 
 #include <cfenv>
 
 namespace tessera {
 
-// While there is one, its thread has the arithmetic a program starts with; then that of before.
+// Gives its thread the default environment, and restores the old environment when destroyed.
 class DefaultArithmetic {
  public:
   DefaultArithmetic() {
@@ -18,7 +19,7 @@ class DefaultArithmetic {
   DefaultArithmetic& operator=(const DefaultArithmetic&) = delete;
   ~DefaultArithmetic() { std::fesetenv(&before_); }
 
-  // Again, after code of others has run.
+  // Sets the default environment again, after foreign code has run.
   static void set() { std::fesetenv(FE_DFL_ENV); }
 
  private:

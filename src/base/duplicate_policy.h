@@ -1,4 +1,5 @@
-// In 2D points of equal x and y are one vertex, whatever their heights: which of them it is.
+// Which of several points with equal coordinates is kept as the vertex. In 2D points of equal x and y are one vertex,
+// whatever their heights.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace tessera {
 
-// By source index, or by height; of equal heights the first.
+// The rule: by source index, or by height. Of points with equal heights the first is kept.
 enum class DuplicatePolicy : std::uint8_t { first, last, lowest, highest };
 
 inline constexpr std::array<std::string_view, 4> kept_point_names{"first", "last", "lowest", "highest"};
@@ -28,10 +29,10 @@ inline bool is_by_height(DuplicatePolicy keep) {
 
 struct KeptCandidate {
   PointId id;
-  double height = 0;  // looked at only when it matters
+  double height = 0;  // used by the policies lowest and highest only
 };
 
-// Whether `a` is kept of the two: a strict order. A height that is no number is kept when there is no other alone.
+// Whether `a` is kept and `b` is not: a strict order. A height that is NaN loses against every number.
 inline bool is_kept_before(DuplicatePolicy keep, const KeptCandidate& a, const KeptCandidate& b) {
   if (keep == DuplicatePolicy::last) return b.id < a.id;
   if (is_by_height(keep)) {
@@ -43,7 +44,7 @@ inline bool is_kept_before(DuplicatePolicy keep, const KeptCandidate& a, const K
   return a.id < b.id;
 }
 
-// No number is at the height of no number.
+// Whether two heights are equal. NaN counts as equal to NaN.
 inline bool is_same_height(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 }  // namespace tessera

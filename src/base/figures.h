@@ -1,5 +1,5 @@
-// What the exchange of a job costs: counted by tiles, added up by nodes and coordinator, shown by summary, manifest and
-// report.
+// Figures about the exchange of a job. Tiles count them, nodes and the coordinator add them up, and summary, manifest
+// and report show them.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,13 @@
 
 namespace tessera {
 
-// What tiles told each other, in items of their program: points, in a triangulation.
+// What tiles told each other, in items of their program. In a triangulation the items are points.
 struct ExchangeCounts {
-  std::uint64_t received = 0;  // repeats included
+  std::uint64_t received = 0;  // including repeats
   std::uint64_t inserted = 0;
-  std::uint64_t refused = 0;  // of no use when they came: points in conflict with no local star
-  std::uint64_t sent = 0;     // put into updates
-  std::uint64_t kept = 0;     // of use in the end: foreign vertices of cells with a local vertex
+  std::uint64_t refused = 0;  // items that were of no use when they came: points in conflict with no local star
+  std::uint64_t sent = 0;     // items that were put into updates
+  std::uint64_t kept = 0;     // items that were of use in the end: foreign vertices of cells with a local vertex
 
   ExchangeCounts& operator+=(const ExchangeCounts& other) {
     received += other.received;
@@ -35,7 +35,7 @@ struct ExchangeCounts {
   }
 };
 
-// What the steps of the tiles' program took.
+// The seconds that the steps of the tiles' program took.
 struct StepSeconds {
   double begin = 0, exchange = 0, store = 0;
 
@@ -54,19 +54,20 @@ struct StepSeconds {
   }
 };
 
+// The figures of a whole job.
 struct ExchangeFigures {
   ExchangeCounts points;
-  std::uint64_t updates = 0;        // messages with points between tiles
-  std::uint64_t hops = 0;           // the longest chain of updates that caused one another
-  std::uint64_t most_received = 0;  // points that any one tile was told of, repeats included
-  std::uint64_t waves = 0;          // collections of counters until quiet was proved
-  std::uint64_t sleeps = 0;         // times a tile was put to sleep on disk
+  std::uint64_t updates = 0;        // messages with points, from tile to tile
+  std::uint64_t hops = 0;           // the length of the longest chain of updates that caused one another
+  std::uint64_t most_received = 0;  // the most points that any one tile was told of, including repeats
+  std::uint64_t waves = 0;          // collections of counters until quiescence was proved
+  std::uint64_t sleeps = 0;         // how often a tile was put to sleep on disk
   StepSeconds work;                 // summed over threads
-  // Of a cluster's job.
+  // The following are for jobs on a cluster.
   std::uint64_t nodes = 0, nodes_lost = 0;
-  std::uint64_t tiles_again = 0;    // begun again when a node was lost
-  std::uint64_t bytes_between = 0;  // between nodes
-  std::uint64_t credit_waits = 0;   // times that something had to wait for another node to take what it was sent
+  std::uint64_t tiles_again = 0;    // tiles that began again because a node was lost
+  std::uint64_t bytes_between = 0;  // bytes sent between nodes
+  std::uint64_t credit_waits = 0;   // how often data had to wait until another node had taken what it was sent before
 };
 
 }  // namespace tessera

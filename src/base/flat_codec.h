@@ -1,5 +1,5 @@
-// Values and flat arrays as bytes and back, for what is read on the machine and by the version that wrote it: layout
-// and byte order are the memory's own. Lengths are checked all the same.
+// Turns values and flat arrays into bytes and back. The bytes have the layout and byte order of the memory, so only the
+// same machine and version can read them. The reader checks lengths all the same.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ class FlatWriter {
     const auto* p = reinterpret_cast<const std::byte*>(&v);
     bytes_.insert(bytes_.end(), p, p + sizeof(T));
   }
-  // Anything contiguous: its length, then its elements.
+  // Appends a contiguous list: its length as 64 bits, then its elements.
   template <class List>
   void list(const List& v) {
     using T = typename List::value_type;
@@ -31,7 +31,7 @@ class FlatWriter {
     const auto* p = reinterpret_cast<const std::byte*>(v.data());
     bytes_.insert(bytes_.end(), p, p + v.size() * sizeof(T));
   }
-  // The same, of a list that is not needed any more.
+  // Appends a list and frees its memory.
   template <class List>
   void last(List& v) {
     list(v);
@@ -45,8 +45,8 @@ class FlatWriter {
   BigVector<std::byte> bytes_;
 };
 
-// Reads what FlatWriter wrote, in its order. False when the bytes are too few; what is read then is unspecified, and
-// what follows, too.
+// Reads what a FlatWriter wrote, in the same order. A function returns false when too few bytes are left. After that
+// the value, and all that is read later, is unspecified.
 class FlatReader {
  public:
   explicit FlatReader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -58,7 +58,7 @@ class FlatReader {
     rest_ = rest_.subspan(sizeof(T));
     return true;
   }
-  // Allocates no more than the bytes that are there.
+  // Reads a list. Never allocates more than the bytes that are left.
   template <class List>
   bool list(List& v) {
     using T = typename List::value_type;

@@ -1,4 +1,4 @@
-// Strong types for the numbers everything is keyed by.
+// Strong types for the numbers that identify points, tiles, nodes and jobs.
 #pragma once
 
 #include <compare>
@@ -19,25 +19,27 @@ struct Id {
   friend std::string to_string(const Id& id) { return std::to_string(id.value); }
 };
 
-// A point's rank in the input: files in the order given, then file order. The vertex's global id, for ever.
+// The rank of a point in the input: files in the order given, then the order within a file. It is the vertex's global
+// id for ever.
 using PointId = Id<struct PointTag, std::uint64_t>;
-// A tile's number, 0..tiles-1: never a PointId, nor an index into anything but lists of tiles.
+// The number of a tile, from 0 to the number of tiles less 1.
 using TileId = Id<struct TileTag, std::uint32_t>;
-// A process that hosts tiles, as its coordinator numbers it.
+// The number that a job's coordinator gives to a process that hosts tiles.
 using NodeId = Id<struct NodeTag, std::uint32_t>;
-// A file of routed points: of those that one attempt at routing a stretch of the input has made, the number.
+// A file of routed points: the number of the attempt that made it, and its number among the files of that attempt. An
+// attempt is one try at routing one input split.
 struct ShuffleFileId {
   std::uint32_t attempt = 0, number = 0;
   friend bool operator==(const ShuffleFileId&, const ShuffleFileId&) = default;
 };
-// A job, unique among those that a process has ever known.
+// A job, unique among all jobs that a process has ever known.
 using JobId = Id<struct JobTag, std::uint64_t>;
 
-// Ids go to disk and over wires as their numbers' bytes.
+// Ids go to disk and over the network as the bytes of their numbers.
 static_assert(sizeof(PointId) == 8 && std::is_trivially_copyable_v<PointId> && std::is_standard_layout_v<PointId>);
 static_assert(sizeof(TileId) == 4 && std::is_trivially_copyable_v<TileId> && std::is_standard_layout_v<TileId>);
 
-// The numbers of ids, in place: for arrays that leave the program.
+// The numbers of ids, without a copy.
 template <class Tag, class Rep>
 std::span<const Rep> numbers_of(const std::vector<Id<Tag, Rep>>& ids) {
   static_assert(sizeof(Id<Tag, Rep>) == sizeof(Rep));

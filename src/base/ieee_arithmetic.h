@@ -1,4 +1,4 @@
-// To be included where an answer rests on the bounds of IEEE rounding: other arithmetic is refused by the compiler.
+// To be included where an answer depends on the error bounds of IEEE arithmetic. The compiler refuses other arithmetic.
 #pragma once
 
 #include <cfloat>

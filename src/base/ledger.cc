@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-// The system is asked for what is free once in so many written bytes.
+// The system is asked for the free bytes once in so many written bytes.
 constexpr std::uint64_t look_every_bytes = std::uint64_t{16} << 20;
 
 thread_local Ledger* current = nullptr;
@@ -91,8 +91,8 @@ Status Ledger::written_by_others(std::uint64_t bytes) {
 Status Ledger::look_at_disk(std::uint64_t bytes) {
   if (!bounds_.free_bytes) return success();
   const std::uint64_t now = written_ + others_, looked = looked_at_;
-  // The first time at once, so that a small job on a full disk hears it, too; and whenever others write, who ask
-  // seldom.
+  // The disk is checked at the first write, so that a small job on a full disk is refused, too, and whenever other
+  // processes write, which report seldom.
   if (bytes > 0 && looked > 0 && now - std::min(now, looked) < look_every_bytes) return success();
   looked_at_ = std::max<std::uint64_t>(now, 1);
   const std::uint64_t free = bounds_.free_bytes();

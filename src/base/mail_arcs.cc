@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// How many tiles are below each row.
+// Returns the number of tiles below each row.
 std::vector<std::uint32_t> count_tiles(const std::vector<TileCut>& cuts) {
   std::vector<std::int32_t> order{0};  // parents first
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -25,7 +25,7 @@ std::vector<std::uint32_t> count_tiles(const std::vector<TileCut>& cuts) {
   return tiles;
 }
 
-// The largest part is cut as long as there may be more.
+// Cuts the largest part in two as long as more parts are allowed.
 std::vector<std::int32_t> cut_up(const std::vector<TileCut>& cuts, std::size_t max) {
   const std::vector<std::uint32_t> tiles = count_tiles(cuts);
   std::priority_queue<std::pair<std::uint32_t, std::int32_t>> rows;
@@ -61,7 +61,7 @@ std::vector<MailArc> heaviest(std::vector<MailArc> arcs, std::size_t max) {
 MapParts parts_of(const TileLayout& layout, std::size_t tiles, std::size_t max) {
   MapParts parts;
   parts.of_tile.assign(tiles, MapParts::nowhere);
-  if (layout.cuts.empty()) {  // they have no place: runs of numbers
+  if (layout.cuts.empty()) {  // the tiles have no place in space, so a part is a range of tile numbers
     const std::size_t count = std::min(max, tiles);
     for (std::size_t t = 0; t < tiles; ++t) parts.of_tile[t] = static_cast<std::uint16_t>(t * count / tiles);
     for (std::size_t part = 0; part < count; ++part)

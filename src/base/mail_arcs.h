@@ -1,5 +1,5 @@
-// Mail between tiles, as those who watch a job see it: arcs between parts of the map of its tiles, of which there are
-// few however many tiles there are.
+// The mail between tiles, as people who watch a job see it: arcs between parts of the tile map. There are few parts,
+// however many tiles there are.
 #pragma once
 
 #include <chrono>
@@ -14,29 +14,33 @@
 
 namespace tessera {
 
-// Of an event, and of a word of a node that is alone; with three numbers each they are less than 4 KiB on any wire.
+// The most arcs in an event. A node of a cluster reports a quarter of them at a time. With three numbers each the arcs
+// take less than 4 KiB in any encoding.
 inline constexpr std::size_t mail_arcs_max = 128;
 
-// From a part of the map to another one. A part >= 0 is a row of TileLayout::cuts with all that is below it, a
-// negative one the tile -1-part: as the children of a TileCut.
+// Bytes that went from one part of the map to another. A part >= 0 is a row of TileLayout::cuts with everything below
+// it. A negative part is the tile -1-part, as in the children of a TileCut.
 struct MailArc {
   std::int32_t from = 0, to = 0;
   std::uint64_t bytes = 0;
   friend bool operator==(const MailArc&, const MailArc&) = default;
 };
 
-// The `max` with most bytes, those first; of equal ones in the order of their parts.
+// Returns the `max` arcs with most bytes, in decreasing order. Arcs with equal bytes are ordered by their parts.
 std::vector<MailArc> heaviest(std::vector<MailArc> arcs, std::size_t max);
 
-// The tiles as at most `max` parts, none of which has many more tiles than others.
+// The tiles of a map, grouped into parts.
 struct MapParts {
   static constexpr std::uint16_t nowhere = 0xffff;
-  std::vector<std::uint16_t> of_tile;  // a place in `codes`; `nowhere` for one that the layout does not have
-  std::vector<std::int32_t> codes;     // of the parts, as in MailArc; without cuts, a tile in the middle of them
+  // by tile: an index into `codes`, or `nowhere` for a tile that the layout lacks
+  std::vector<std::uint16_t> of_tile;
+  // the parts, coded as in MailArc; without cuts a part is coded as a tile in its middle
+  std::vector<std::int32_t> codes;
 };
+// Groups the tiles into at most `max` parts of similar numbers of tiles.
 MapParts parts_of(const TileLayout& layout, std::size_t tiles, std::size_t max);
 
-// What was sent in the last one to two seconds. Safe from any thread.
+// The mail of the last one to two seconds. Thread-safe.
 class RecentMail {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -49,7 +53,7 @@ class RecentMail {
   using Bytes = std::map<std::pair<std::int32_t, std::int32_t>, std::uint64_t>;
   mutable std::mutex mutex_;
   Bytes now_, before_;
-  Time since_{};  // of now_
+  Time since_{};  // when now_ began
 };
 
 }  // namespace tessera

@@ -16,8 +16,8 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t page = 4096;
-// Up to here the allocator serves: the arrays of small tiles would cost more system calls and page faults than work,
-// and a process may have 65,530 mappings.
+// Mappings up to this size come from the allocator. The arrays of small tiles would cost more system calls and page
+// faults than work, and a process may have only 65,530 mappings.
 constexpr std::size_t small_bytes = std::size_t{128} << 10;
 constexpr std::size_t alignment = 64;
 
@@ -25,21 +25,21 @@ bool is_small(const Mapping& mapping) { return mapping.reserved <= small_bytes; 
 
 std::size_t rounded(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
-// Address space for so many, which costs nothing: tiles are of nearly equal sizes, and what is a little larger than the
-// last one's array fits into it, too.
+// Rounds up to address space for `bytes` and some more, which costs nothing. Tiles are of nearly equal sizes. So an
+// array a little larger than the last tile's fits into the same mapping.
 std::size_t with_room(std::size_t bytes) {
   const std::size_t step = std::max(page, std::bit_floor(bytes) / 4);
   return (bytes + step - 1) / step * step;
 }
 
-// What has been given back, the oldest first. Taking it back needs no memory: it is given back when there is none.
+// The mappings that were given back, the oldest first. give() needs no memory, because it is called when there is none.
 class Pool {
  public:
   bool take(std::size_t bytes, Mapping& out) {
     const std::lock_guard lock(mutex_);
     std::size_t best = count_;
     for (std::size_t i = 0; i < count_; ++i) {
-      // Not one far too large: a small array would hold the pages of a large one.
+      // A mapping that is far too large is not used: a small array would hold the pages of a large one.
       if (kept_[i].reserved < bytes || kept_[i].touched / 4 > bytes) continue;
       const bool better = best == count_ || kept_[i].reserved < kept_[best].reserved ||
                           (kept_[i].reserved == kept_[best].reserved && kept_[i].touched > kept_[best].touched);
@@ -47,7 +47,7 @@ class Pool {
     }
     if (best == count_) return false;
     out = remove(best);
-    shrink(out, bytes);  // what is behind would be held by one that does not know of it
+    shrink(out, bytes);  // else the next owner would hold pages behind `bytes` without knowing
     return true;
   }
 
@@ -110,15 +110,15 @@ class Pool {
 
 Pool& pool();
 
-// A forked child may still give arrays back, whatever its parent's other threads were doing: it finds the pool
-// unlocked.
+// The handlers keep the pool unlocked in a forked child, whatever the parent's other threads were doing. So the child
+// may still give arrays back.
 Pool* make_pool() {
   const int refused = ::pthread_atfork([] { pool().lock(); }, [] { pool().unlock(); }, [] { pool().unlock(); });
   if (refused != 0) throw std::bad_alloc();
   return new Pool;
 }
 
-// Never destroyed: arrays in static objects may outlive any other.
+// The pool is never destroyed, because arrays in static objects may outlive any other object.
 Pool& pool() {
   static Pool* const the_pool = make_pool();
   return *the_pool;

@@ -1,5 +1,5 @@
-// A hash for keys that differ in a few high or low bits only, in tables whose sizes are powers of two: splitmix64's
-// finaliser (Steele, Lea, Flood, OOPSLA 2014).
+// A hash for keys that differ only in a few high or low bits, for tables whose sizes are powers of two. It is the
+// finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014).
 #pragma once
 
 #include <cstddef>

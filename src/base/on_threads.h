@@ -1,4 +1,4 @@
-// The same work on several threads.
+// Runs the same work on several threads.
 #pragma once
 
 #include <atomic>
@@ -15,8 +15,9 @@
 
 namespace tessera {
 
-// Runs work() on so many threads, the calling one among them; all draw from its ledger. The first error; `work` sees
-// `failed` and ends early.
+// Runs work() on `threads` threads, one of which is the calling thread. All threads draw from the ledger of the calling
+// thread. Returns the first error. When a thread fails, `failed` becomes true, and `work` should look at it and end
+// early.
 template <class Work>
 Status on_threads(unsigned threads, std::atomic<bool>& failed, const Work& work) {
   std::mutex mutex;

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-// begin key [ '=' value ] end
+// A mark is: mark_begin key [ '=' value ] mark_end
 constexpr char mark_begin = '\0', mark_end = '\x01';
 
 bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
@@ -27,7 +27,7 @@ struct Mark {
   std::size_t length;
 };
 
-// The mark that `text` begins with.
+// Returns the mark that begins `text`, if there is one.
 std::optional<Mark> mark_at(std::string_view text) {
   const auto end = text.find(mark_end);
   if (text.empty() || text.front() != mark_begin || end == std::string_view::npos) return std::nullopt;

@@ -1,5 +1,5 @@
-// The phases of a job, one table: names, words, order, shares, and what else others ask of a phase. A new phase is a
-// row here. Others ask for a property of the row, and never for a phase that happens to have the property.
+// The table of the phases of a job: names, words, order, shares of the time, and other properties. A new phase is a new
+// row. Code asks for a property of a row, never for a certain phase that happens to have the property.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@ namespace tessera {
 
 enum class Phase : std::uint8_t { planning, routing, triangulating, splaying, collecting, finishing, done };
 
-// What tiles compute (src/exchange/tile_program.h), in three steps: each tile begins, tiles send messages to each other
-// until none is left, each tile stores what it has.
+// What tiles compute (src/exchange/tile_program.h). A program has three steps: each tile begins, tiles exchange
+// messages until no message is left, and each tile stores what it has.
 enum class ProgramKind : std::uint8_t { none, delaunay };
 enum class ProgramStep : std::uint8_t { none, begin, exchange, store };
 
-// Members of Progress; what counts tiles is known of each node, too.
+// A member of Progress. Counters of tiles exist for each node, too.
 enum class ProgressCounter : std::uint8_t {
   none,
   points_routed,
@@ -31,29 +31,30 @@ enum class ProgressCounter : std::uint8_t {
 
 struct PhaseRow {
   Phase phase;
-  const char* name;   // in messages, manifests, metrics and JSON: it stays
+  const char* name;   // in messages, manifests, metrics and JSON; must never change
   const char* words;  // what the phase does, for people who have not read how
 
   ProgramKind program = ProgramKind::none;
   ProgramStep step = ProgramStep::none;
   bool exchanges = false;  // tiles send messages to each other
-  bool settled = false;    // no tile has anything to tell another one any more
+  bool settled = false;    // no tile has anything more to tell another tile
   bool over = false;       // nothing is left to do
 
-  double share = 0;  // of a job's time. It steers the progress shown
-  // How much of the phase is done: the greater of what these say of their totals. None: the end is not foreseen, and
-  // the phase counts once it is over.
+  double share = 0;  // the share of a job's time; the progress shown is computed from it
+  // The fraction of the phase that is done is the greater of these counters relative to their totals. Without a counter
+  // the end cannot be foreseen, and the phase counts when it is over.
   std::array<ProgressCounter, 2> counters = {};
-  ProgressCounter points = ProgressCounter::none;               // its growth is shown as points a second
-  ProgressCounter tiles = ProgressCounter::tiles_triangulated;  // counts the tiles that are as far as the phase goes
-  std::optional<TileStage> reached = {};                        // what a tile is once it was worked on
+  ProgressCounter points = ProgressCounter::none;  // its growth is shown as points a second
+  // counts the tiles that have come as far as the phase goes
+  ProgressCounter tiles = ProgressCounter::tiles_triangulated;
+  std::optional<TileStage> reached = {};  // the state of a tile that was worked on
 
-  // In the report, on light and dark paper. None: the report does not show the phase.
+  // The colours in the report, on light and dark paper. Null: the report does not show the phase.
   const char* colour = nullptr;
   const char* dark_colour = nullptr;
 };
 
-// The shares are those of 10 M uniform points on two threads, rounded.
+// The shares were measured with 10 M uniform points on two threads, and rounded.
 inline constexpr auto phase_table = std::to_array<PhaseRow>({
     {
         .phase = Phase::planning,
@@ -141,7 +142,7 @@ static_assert([] {
   return phase_table.back().over;
 }());
 
-// The first whose row is meant.
+// The first phase for whose row `is` returns true.
 template <class Is>
 constexpr std::optional<Phase> phase_where(Is is) {
   for (const PhaseRow& row : phase_table) {
@@ -150,12 +151,12 @@ constexpr std::optional<Phase> phase_where(Is is) {
   return std::nullopt;
 }
 
-// As name_of() gives it. Another release may know phases that this one does not.
+// The phase whose name_of() is `name`. Nothing for a name that only another release knows.
 constexpr std::optional<Phase> phase_named(std::string_view name) {
   return phase_where([name](const PhaseRow& row) { return row.name == name; });
 }
 
-// REQUIRES: the program has the step.
+// The phase in which tiles do this step of the program. REQUIRES: the program has the step.
 constexpr Phase phase_of(ProgramKind program, ProgramStep step) {
   return phase_where([=](const PhaseRow& row) { return row.program == program && row.step == step; }).value();
 }

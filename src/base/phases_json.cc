@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-// As the messages of the service call it; and what the tiles are that it counts.
+// The name of a counter in the service's messages, and the word for the tiles that it counts.
 struct CounterNames {
   const char* name;
   const char* tiles_are;

@@ -1,4 +1,5 @@
-// Points and boxes. Coordinates are in input units, never shifted or rounded: all tiles must see the same bits.
+// Points and boxes. Coordinates are in the units of the input and are never shifted or rounded, because all tiles must
+// see the same bits.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 
 namespace tessera {
 
-// In 2D, z is 0. Never -0: readers normalise, so equal coordinates are equal bits.
+// A point. In 2D z is 0. A coordinate is never -0: readers normalise, so that equal coordinates are equal bits.
 struct Point {
   double x = 0, y = 0, z = 0;
   friend auto operator<=>(const Point&, const Point&) = default;
@@ -22,10 +23,10 @@ struct Point {
 
 inline bool is_finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-// Adding +0 turns -0 into +0 and changes nothing else.
+// Adding +0 turns -0 into +0 and changes no other value.
 inline Point without_negative_zero(const Point& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0}; }
 
-// A point that was routed: what the tile files of a run folder hold, byte for byte (32 bytes, little endian).
+// A point that was routed. The files of a run folder contain these 32 bytes, little endian.
 struct LocalPoint {
   Point at;
   PointId id;
@@ -33,24 +34,25 @@ struct LocalPoint {
 };
 static_assert(sizeof(LocalPoint) == 32);
 
-// What tiles tell each other: a point and the tile that owns it. Sent as raw bytes.
+// What tiles tell each other: a point and the tile that owns it. It is sent as raw bytes.
 struct SharedPoint {
   Point at;
   PointId id;
   TileId tile;
-  std::uint32_t told = 0;  // which of its owner's neighbours have been told of it, as far as the sender knows, as bits
+  // The told bits: bit k says that the owner's k-th neighbour has been told of the point, as far as the sender knows.
+  std::uint32_t told = 0;
   friend bool operator==(const SharedPoint&, const SharedPoint&) = default;
 };
 static_assert(sizeof(SharedPoint) == 40);
 
-// A point that every tile knows from the start whose points come within `reach` of it.
+// A point that tiles know from the start. A tile has the seed when the tile's points come within `reach` of it.
 struct Seed {
   SharedPoint point;
-  double reach = 0;  // in input units; infinity: all tiles
+  double reach = 0;  // in units of the input; infinity: all tiles have the seed
   friend bool operator==(const Seed&, const Seed&) = default;
 };
 
-// Half-open: lo <= p < hi on each axis. Unbounded sides are -inf and +inf.
+// A half-open box: lo <= p < hi on each axis. An unbounded side is -inf or +inf.
 struct Box {
   Point lo{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
            -std::numeric_limits<double>::infinity()};
@@ -62,7 +64,7 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
-// The closed bounding box of points seen so far; empty at first (lo = +inf, hi = -inf).
+// The closed bounding box of the points that were added. It begins empty (lo = +inf, hi = -inf).
 struct Bounds {
   Point lo{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
            std::numeric_limits<double>::infinity()};

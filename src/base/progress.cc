@@ -9,7 +9,7 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t spans_max = 50'000;
-constexpr double parts_of_the_whole = 4096;  // finer than any screen
+constexpr double parts_of_the_whole = 4096;  // a resolution finer than any screen
 
 void merge(std::vector<PhaseSpan>& spans, double short_s) {
   const auto order = [](const PhaseSpan& s) { return std::tuple(s.thread, s.phase, s.begin_s); };

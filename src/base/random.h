@@ -1,4 +1,5 @@
-// Random numbers that are the same on every machine and library, for seeds a user can quote.
+// Random numbers that are the same on every machine and with every library. So users can quote the number that a
+// generator began with.
 #pragma once
 
 #include <bit>
@@ -6,7 +7,8 @@
 
 namespace tessera {
 
-// The finalizer of splitmix64: a bijection that spreads every bit over all. Source: Steele, Lea, Flood, OOPSLA 2014.
+// The finaliser of splitmix64: a bijection in which every input bit affects all output bits. Source: Steele, Lea,
+// Flood, OOPSLA 2014.
 constexpr std::uint64_t mixed_bits(std::uint64_t v) {
   v += 0x9E3779B97F4A7C15u;
   v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -14,7 +16,8 @@ constexpr std::uint64_t mixed_bits(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
-// xoshiro256++, seeded by splitmix64 as its authors advise. Source: Blackman, Vigna, ACM TOMS 2021.
+// A generator of random numbers: xoshiro256++, seeded by splitmix64 as its authors advise. Source: Blackman, Vigna, ACM
+// TOMS 2021.
 class Random {
  public:
   explicit Random(std::uint64_t seed) {
@@ -31,7 +34,7 @@ class Random {
     state_[3] = std::rotl(state_[3], 45);
     return result;
   }
-  // A multiple of 2^-53 in [0, 1).
+  // Returns a multiple of 2^-53 in [0, 1).
   double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   double between(double low, double high) { return low + (high - low) * unit(); }
 

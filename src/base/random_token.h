@@ -1,4 +1,4 @@
-// A name that nobody else has, on whatever machine.
+// Names that are unique across machines.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-// 64 random bits, as 16 hexadecimal digits.
+// Returns 64 random bits as 16 hexadecimal digits.
 inline std::string random_token() {
   std::random_device random;
   std::array<char, 17> text{};

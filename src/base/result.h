@@ -1,7 +1,8 @@
-// Errors as values: input, disk and network give a Result; our own mistakes are asserted.
+// Errors as values. What depends on input, disk or network returns a Result. Bugs of this program end it (check.h).
 #pragma once
 
-// Not <boost/outcome.hpp>: streams and the std and boost error codes, which nothing here uses, are most of its cost.
+// <boost/outcome.hpp> is not included: most of its cost is for streams and for error codes of std and boost, which are
+// not used here.
 #include <boost/outcome/basic_result.hpp>
 #include <boost/outcome/policy/terminate.hpp>
 #include <boost/outcome/try.hpp>
@@ -12,22 +13,24 @@
 
 namespace tessera {
 
-// A code exists only where a caller acts on it: each is a group with its own exit status (docs/exit-status.md).
+// The kinds of errors. Each kind has an exit status of its own (docs/exit-status.md). A kind exists only where a caller
+// acts on it.
 enum class Errc : std::uint8_t {
   ok = 0,
   usage = 2,         // the command line or the configuration
-  bad_input = 3,     // a file that cannot be read as what it claims to be, or points that span no volume
-  io = 4,            // the system refused: missing, unreadable, full disk
-  corrupt = 5,       // our own files: checksum, version, truncation
+  bad_input = 3,     // a file that is not what it claims to be, or points that do not span space
+  io = 4,            // the system refused: missing or unreadable file, full disk
+  corrupt = 5,       // a file of Tessera's own: wrong checksum or version, truncated
   not_delaunay = 6,  // verify found the result wrong
   memory = 7,        // the job cannot be done within its memory
   interrupted = 8,   // Ctrl-C; the run folder can be resumed
-  internal = 9,      // everything else, told apart by its text
+  internal = 9,      // everything else; the text says what
 };
 
 struct Error {
   Errc code = Errc::internal;
-  std::string where;  // "lyon.ply, line 812: y is nan": file, place, what is wrong; options as marks (base/option.h)
+  // the sentence: file, place, what is wrong: "lyon.ply, line 812: y is nan"; has marks of options (option.h)
+  std::string where;
 };
 
 template <class T>
@@ -37,8 +40,8 @@ using Status = Result<void>;
 inline auto success() { return boost::outcome_v2::success(); }
 inline Error error(Errc code, std::string where) { return Error{code, std::move(where)}; }
 
-// The error that `make()` gives, or a short one that needs no memory when there is none for its sentence. For handlers
-// of exceptions that must not throw themselves.
+// Returns the error that make() gives, or a short one that needs no memory when make() runs out of memory. For
+// exception handlers, which must not throw.
 template <class Make>
 Error worded(Make&& make) noexcept {
   try {
@@ -50,4 +53,5 @@ Error worded(Make&& make) noexcept {
 
 }  // namespace tessera
 
-// Unwrap with BOOST_OUTCOME_TRY(name, expression) (declares auto&& name) and BOOST_OUTCOME_TRYV(expression).
+// To unwrap a Result, use BOOST_OUTCOME_TRY(name, expression), which declares auto&& name, or
+// BOOST_OUTCOME_TRYV(expression).

@@ -1,4 +1,4 @@
-// Sorting that ends soon when it is asked to, however many elements there are.
+// Sorting that can be stopped soon, however many elements there are.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace tessera {
 
-// std::sort(). Throws Stopped: then the elements are all there, in any order. REQUIRES: elements are copied without
-// exceptions.
+// Sorts like std::sort(). Throws Stopped when stopped; then all elements are still there, in any order. REQUIRES:
+// copying an element throws no exception.
 template <class Iterator, class Less = std::less<>>
 void sort_unless_stopped(Iterator begin, Iterator end, const std::stop_token& stop, Less less = {}) {
   constexpr std::uint32_t comparisons_a_look = 1 << 16;

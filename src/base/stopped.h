@@ -1,4 +1,4 @@
-// Long work that is asked to stop ends by an exception: what it has made so far is of no use to anybody.
+// An exception that ends long work when the work is asked to stop. The unfinished result of such work is useless.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ inline void throw_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Stopped();
 }
 
-// For loops of short steps: looks at the token once in so many, and throws Stopped.
+// For loops of short steps: looks at the token once in `steps_a_look` steps, and throws Stopped.
 class StopCheck {
  public:
   StopCheck(std::stop_token stop, std::uint32_t steps_a_look)

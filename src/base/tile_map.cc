@@ -16,10 +16,10 @@ void TileMap::begin(TileLayout layout, const std::vector<std::uint64_t>& tile_po
 
 void TileMap::reached(TileId tile, TileStage stage) {
   const std::lock_guard lock(mutex_);
-  if (tile.value >= stages_.size()) return;  // of a run that nobody has told the tiles of
+  if (tile.value >= stages_.size()) return;  // of a run for which begin() was not called
   char& now = stages_[tile.value];
   if (stage == TileStage::triangulated && now != static_cast<char>(TileStage::waiting)) ++begun_again_;
-  // The span in which a tile was stored may be told after that it is.
+  // The span in which a tile was stored may be reported after its storing.
   if (stage == TileStage::splayed && now == static_cast<char>(TileStage::stored)) return;
   now = static_cast<char>(stage);
 }

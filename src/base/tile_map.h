@@ -1,4 +1,4 @@
-// How the tiles of a job lie, and how far each of them is, for those who watch. Safe from any thread.
+// How the tiles of a job lie in space, and how far each tile is, for people who watch. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -11,40 +11,43 @@
 
 namespace tessera {
 
-// As the letters of TileMap::stages(), of which none is `settled`.
+// The state of a tile, as a letter of TileMap::stages(). No letter there is `settled`.
 enum class TileStage : char {
-  empty = 'e',         // has no points, and takes no part
+  empty = 'e',         // has no points and takes no part
   waiting = 'w',       // not triangulated yet
-  triangulated = 't',  // by itself
-  splayed = 's',       // has taken in points of other tiles, and may have to again
-  settled = 'q',       // nobody has anything to tell it any more: all tiles at once, so that reached() is not told
-  stored = 'd'         // final, and on disk
+  triangulated = 't',  // triangulated by itself
+  splayed = 's',       // has inserted points of other tiles; may have to again
+  // no tile has anything to tell it any more; all tiles settle at once, so reached() is never called with it
+  settled = 'q',
+  stored = 'd'  // final and on disk
 };
 
-// A plane that cuts a part of space in two: points with coordinate < `at` are below. A child >= 0 is a row of the cuts,
-// a negative one is the tile -1-child; row 0 is the root.
+// A plane that cuts a part of space in two. Points with coordinate < `at` are below. A child >= 0 is a row of the cuts;
+// a negative child is the tile -1-child. Row 0 is the root.
 struct TileCut {
   double at = 0;
   std::int32_t axis = 0, below = 0, above = 0;
 };
 
+// How the tiles of a job lie in space.
 struct TileLayout {
   int dimension = 3;
-  Bounds bounds;              // of the points
-  std::vector<TileCut> cuts;  // none with one tile, and where tiles have no place
+  Bounds bounds;              // of all points
+  std::vector<TileCut> cuts;  // empty with a single tile, and for jobs whose tiles have no place in space
 };
 
+// The layout and the states of a job's tiles.
 class TileMap {
  public:
-  // `tile_points`: by tile. What was known of another run is forgotten.
+  // Starts a run and forgets the run before. `tile_points` has the number of points of each tile.
   void begin(TileLayout layout, const std::vector<std::uint64_t>& tile_points);
-  // A tile that is triangulated again has lost what it was (begun_again()).
+  // Records that a tile has reached a state. A tile that is triangulated a second time counts in begun_again().
   void reached(TileId tile, TileStage stage);
 
   TileLayout layout() const;
-  // A letter a tile; empty before begin().
+  // One letter for each tile. Empty before begin().
   std::string stages() const;
-  // How many times a tile was triangulated another time, after the loss of a node or of what was on scratch.
+  // How many times a tile was triangulated again, after a node or its scratch was lost.
   std::uint64_t begun_again() const;
 
  private:

@@ -1,4 +1,5 @@
-// Thrown where a tile holds more than can be numbered; what() follows the tile's name: "has more points than ...".
+// Thrown when a tile has more points or cells than can be numbered. what() continues a sentence that begins with the
+// tile's name: "has more points than ...".
 #pragma once
 
 #include <stdexcept>

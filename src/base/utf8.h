@@ -1,4 +1,4 @@
-// Which bytes are UTF-8: names of files and texts of strangers may be anything.
+// Whether bytes are UTF-8. File names and foreign texts may contain any bytes.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace tessera {
 
-// Length of the valid UTF-8 sequence that begins `text`; 0 if there is none. Overlong forms, surrogates and code points
-// beyond U+10FFFF are not valid.
+// Returns the length in bytes of the valid UTF-8 sequence that begins `text`, or 0 if there is none. Overlong forms,
+// surrogates and code points above U+10FFFF are not valid. An empty text counts as one byte.
 std::size_t utf8_length(std::string_view text);
 bool is_utf8(std::string_view text);
 

@@ -50,7 +50,7 @@ std::optional<Members::Loss> Members::lose(const NodeUuid& uuid, std::string why
   return loss;
 }
 
-// With most broken connections; of equal ones the last to come.
+// Returns the node with most broken connections; of equal ones, the last that came.
 NodeUuid Members::worst_connected() const {
   std::map<NodeUuid, std::uint64_t> count;
   for (const auto& [a, b] : broken_) {

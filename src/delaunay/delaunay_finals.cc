@@ -1,4 +1,4 @@
-// The final cells of a tile that is reduced: stored early, kept, or on scratch.
+// The final cells of a reduced tile: stored early, kept in memory, or on scratch.
 #include <span>
 #include <utility>
 
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-// `at_once`: the tile is collected now, and what it has kept need not be read.
+// `at_once`: the tile is collected now, so finals need not go to scratch.
 Status DelaunayProgram::keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once) {
   finals_ = std::make_unique<PendingFinals>();
   stored_early_ = {};
@@ -35,7 +35,7 @@ Status DelaunayProgram::await_stored() {
   return success();
 }
 
-// Not of what the storage has said of the early ones: that is the same cells, whoever has them now.
+// Does not cover what the storage has returned for the early cells: the cells are the same, wherever they are stored.
 std::uint64_t DelaunayProgram::sum_of(const PendingFinals& finals) {
   std::uint64_t sum = finals.early + std::uint64_t{1};
   for (const auto bytes : {std::as_bytes(std::span(finals.place)), std::as_bytes(std::span(finals.frozen)),
@@ -65,16 +65,17 @@ bool DelaunayProgram::decode_finals(std::span<const std::byte> bytes) {
   FlatReader in(bytes);
   const bool read = in.value(finals->early) && in.list(finals->place) && in.list(finals->frozen) &&
                     in.list(finals->cells.rows) && in.list(stored_early_) && in.at_end();
-  // Those of another image of the same tile can be sound, and others than its kernel knows of.
+  // The cells of another image of the same tile can be sound, but the kernel may not know them.
   if (!read || !finals->sound(stage_.dimension, own_points_) || sum_of(*finals) != finals_sum_) return false;
   finals_ = std::move(finals);
   return true;
 }
 
-// Of an earlier process, or another node. False when the tile cannot go on from them.
+// Restores the final cells of an earlier process, or of another node. Returns false when the tile cannot continue from
+// them.
 Result<bool> DelaunayProgram::restore_finals(std::span<const std::byte> bytes, bool at_once) {
   if (!decode_finals(bytes)) return false;
-  // What they were stored as depends on these, and others may have been in force then.
+  // How final cells were stored depends on these options, and others may have been in force then.
   const bool placed = !finals_->place.empty() || finals_->early > 0;
   if (placed != early() && (placed || finals_->cells.rows.size() > 0)) return false;
   if (finals_->early > 0 && !stage_.store->take_early(self_, stored_early_)) return false;

@@ -1,4 +1,4 @@
-// A tile of which points are kept: cells are counted, hashed and dropped.
+// A tile that is kept as points: cells are counted, hashed and dropped.
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -25,13 +25,14 @@ class FinishedPoints final : public Finished {
   DelaunayStore& store_;
 };
 
-// A digest's words are made of indices, as tile files have them.
+// The words of a digest are made of indices, as tile files have them.
 Digest digest_of_cells(const CellDigest& digest, std::span<const Vertex> cells) {
   return digest.of({reinterpret_cast<const std::int32_t*>(cells.data()), cells.size()});
 }
 
-// Neighbours in space stand near each other, as the tile's own points do: that makes small differences, and who
-// triangulates them again inserts each where the last one was. A function of the points alone.
+// Puts foreign vertices into Hilbert order, as the tile's own points are. Then differences between successive points
+// are small, and a reader that triangulates them inserts each point near the one before. The order depends on the
+// points alone.
 void put_in_order(std::vector<SharedPoint>& foreign, int dimension) {
   Bounds bounds;
   for (const SharedPoint& p : foreign) bounds.add(p.at);
@@ -81,7 +82,7 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish_points() {
   counts_ = triangulation_->counts();
   tile.points = std::move(points_->points);
   tile.ids = std::move(points_->ids);
-  if (tile.ids.empty()) {  // a whole triangulation numbers its own points first, from 1 on
+  if (tile.ids.empty()) {  // a triangulation that is whole numbers its own points first, from 1 on
     const auto own = triangulation_->ids().subspan(1, tile.points.size());
     tile.ids.assign(own.begin(), own.end());
   }

@@ -33,9 +33,9 @@ std::unique_ptr<TileProgram> DelaunayStage::program_of(TileId tile) const {
   return std::make_unique<DelaunayProgram>(tile, *this);
 }
 
-// `announce`: the exchange follows, not the end.
+// `announce`: the exchange follows; else the tile is finished next.
 Status DelaunayProgram::build(bool announce) {
-  finals_.reset();  // of an image that was none
+  finals_.reset();  // may be left from an image that could not be restored
   stored_early_ = {};
   finals_sum_ = 0;
   gone_ = {};
@@ -47,9 +47,9 @@ Status DelaunayProgram::build(bool announce) {
   }
   const Box& box = (*stage_.boxes)[self_.value];
   triangulation_ = std::make_unique<TileTriangulation>(options());
-  // Kept until finish() when the tile is not reduced; moving the vector leaves its points where they are.
+  // If the tile is not reduced, the points are kept until finish(). Moving the vector leaves them where they are.
   triangulation_->triangulate(loaded.points, loaded.ids, KeepPoints::borrowed);
-  // A tile that is collected at once is not worth reducing, but for what it stores.
+  // A tile that is collected next need not be reduced, except to store its early cells.
   if (!keeps_cells()) {
     if (announce) discard(loaded, box);
   } else if (early() || (stage_.reduce && announce)) {
@@ -59,7 +59,8 @@ Status DelaunayProgram::build(bool announce) {
     }
   }
   if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
-  if (!keeps_cells() && !triangulation_->reduced()) std::vector<PointId>().swap(loaded.ids);  // it has them, too
+  // the triangulation has them, too
+  if (!keeps_cells() && !triangulation_->reduced()) std::vector<PointId>().swap(loaded.ids);
   if (!triangulation_->reduced() || !announce) points_ = std::make_unique<LoadedTile>(std::move(loaded));
   counts_ = triangulation_->counts();
   return success();
@@ -72,7 +73,7 @@ Status DelaunayProgram::begin_settled(Message settled) {
   return insert();
 }
 
-// That others have told a tile of a point is believed of those alone who go by the same table.
+// Told bits are valid only if the sender goes by the same routing table.
 Status DelaunayProgram::take(TileId from, bool current, Message message) {
   if (message.size() % sizeof(SharedPoint) != 0) {
     return error(Errc::internal, "tile " + std::to_string(self_.value) + ": of the " + std::to_string(message.size()) +
@@ -90,7 +91,7 @@ Status DelaunayProgram::take(TileId from, bool current, Message message) {
 
 Status DelaunayProgram::step() {
   if (storing_.valid() && storing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    BOOST_OUTCOME_TRYV(await_stored());  // a full disk need not be found at the end
+    BOOST_OUTCOME_TRYV(await_stored());  // a full disk is noticed now, not at the end
   }
   BOOST_OUTCOME_TRYV(insert());
   triangulation_->introduce();
@@ -98,9 +99,10 @@ Status DelaunayProgram::step() {
   return success();
 }
 
-// In Hilbert order, so that each insertion starts where the last one ended, but a random few first: the first points
-// beyond the hull see a whole face of it, and in Hilbert order alone every point would be the first of its region. Few,
-// for they are far from each other, and each finds its cells out of the cache.
+// Inserts points in Hilbert order, so that each insertion starts where the last one ended, but a few random points
+// first. The first points beyond the hull see a whole face of it, and in Hilbert order alone every point would be the
+// first of its region. The random points are few, because they are far from each other, and the cells of each must be
+// fetched into the cache.
 Status DelaunayProgram::insert() {
   struct Item {
     std::uint64_t key;
@@ -135,8 +137,8 @@ std::vector<std::pair<TileId, Message>> DelaunayProgram::messages() {
   return out;
 }
 
-// The star of a point among the tile's own points and their neighbours is its star among all points, and more points
-// change nothing: all foreign vertices are written, which include the neighbours.
+// The star of a point among the tile's own points and the point's neighbours is its star among all points, and further
+// points do not change it. So all foreign vertices are written, which include the neighbours.
 Message DelaunayProgram::settled() const {
   const std::vector<SharedPoint> foreign = triangulation_->foreign_vertices();
   const auto bytes = std::as_bytes(std::span(foreign));
@@ -151,7 +153,8 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
   PendingFinals finals;
   if (triangulation_->handed_out()) {
     auto taken = take_finals();
-    if (!taken && taken.error().code == Errc::corrupt) {  // nothing begins from its image again, which needs them
+    // no tile can begin from this image again, as it needs the final cells
+    if (!taken && taken.error().code == Errc::corrupt) {
       BOOST_OUTCOME_TRYV(stage_.storage->remove(self_, ScratchKind::state));
     }
     if (!taken) return taken.error();
@@ -173,7 +176,7 @@ Image DelaunayProgram::save() {
   return bytes;
 }
 
-// Null when the bytes are not what save() has made.
+// Returns null when the bytes are not what save() has made.
 std::unique_ptr<TileTriangulation> DelaunayProgram::decode(Image image, ImageEnd& end) const {
   if (image.size() < sizeof end) return nullptr;
   std::memcpy(&end, image.data() + image.size() - sizeof end, sizeof end);
@@ -200,8 +203,9 @@ Result<bool> DelaunayProgram::wake(Image image) {
   return true;
 }
 
-// An image is a right beginning whatever the other tiles begin from, if all it has ever told is told again. What was
-// told to it since, those tell again who remember it: they begin from images, too, or have not told it yet.
+// An image is a correct beginning, whatever the other tiles begin from, if the tile sends again all that it has ever
+// sent. What the tile was sent after the image was made is sent again by the tiles that remember it; other tiles begin
+// from images, too, or have not sent it yet.
 // `finals`: the list of final cells; null: it is on scratch.
 Result<bool> DelaunayProgram::restore(Image image, const Image* finals, bool at_once) {
   ImageEnd end;
@@ -230,7 +234,7 @@ Result<bool> DelaunayProgram::restore(Image image, const Image* finals, bool at_
   return true;
 }
 
-// One piece: the image, the tile's list of final cells if it has one, the bytes of the image.
+// Packs into one piece: the image, the tile's list of final cells if there is one, and the length of the image.
 Result<Image> DelaunayProgram::pack(Image image) {
   const std::uint64_t of_image = image.size();
   BOOST_OUTCOME_TRY(finals, stage_.storage->read(self_, ScratchKind::finals));
@@ -251,7 +255,7 @@ Result<bool> DelaunayProgram::load_packed(Image packed) {
                      packed.begin() + static_cast<std::ptrdiff_t>(end));
   packed.resize(of_image);
   BOOST_OUTCOME_TRY(restored, restore(std::move(packed), &finals, false));
-  earlier_ = false;  // of the image on scratch, if there is one, nothing is known
+  earlier_ = false;  // nothing is known of an image that may be on scratch
   return restored;
 }
 

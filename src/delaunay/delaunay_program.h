@@ -1,5 +1,5 @@
-// Delaunay triangulations as a program of tiles: messages are lists of points, and a tile that is quiet has the cells
-// of the whole cloud that touch its points (src/tiling/tile/tile_triangulation.h).
+// The Delaunay triangulation as a program of tiles. Messages are lists of points. When all is quiet, a tile has the
+// cells of the whole cloud's triangulation that touch its points (src/tiling/tile/tile_triangulation.h).
 #pragma once
 
 #include <future>
@@ -21,21 +21,23 @@ struct DelaunayStage final : TilePrograms {
 
   int dimension = 3;
   KernelKind kernel = KernelKind::flat;
-  // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
+  // Whether tiles hand out final cells and keep only the rest: that needs a tenth of the memory, and a tenth more work.
   bool reduce = false;
-  // Whether cells are stored; else final ones are counted and dropped as soon as they are known.
+  // Whether tiles store cells. With points instead, final cells are counted and dropped as soon as they are known.
   TileKind kind = TileKind::cells;
-  // Tiles of so many points do so in any case, and store as many of them early, before there are others, as are whole
-  // units; 0: none does. What they store depends on these two, not on who stores it when.
+  // Tiles of at least `early_points` points hand out final cells in any case. They store the early cells, a multiple of
+  // `early_unit`, while other tiles are still triangulated. 0: no tile does. A tile's file depends on these two values,
+  // not on when or by which process it is stored.
   std::uint64_t early_points = 0, early_unit = 1;
-  // By tile; a tile with the empty box has no final cells, and announces nothing.
+  // By tile. A tile with the empty box has no final cells, and announces nothing.
   std::shared_ptr<const std::vector<Box>> boxes;
   std::shared_ptr<const KnownFromStart> around;
-  TileStorage* storage = nullptr;  // for what stands beside the images
+  TileStorage* storage = nullptr;  // for what is kept beside the images
   DelaunayStore* store = nullptr;
   std::stop_token stop = {};  // once requested, long work soon throws Stopped
 };
 
+// The program of one tile. Not thread-safe; see TileProgram for the calls.
 class DelaunayProgram final : public TileProgram {
  public:
   DelaunayProgram(TileId self, const DelaunayStage& stage) : self_(self), stage_(stage) {}
@@ -59,12 +61,12 @@ class DelaunayProgram final : public TileProgram {
   const ExchangeCounts& counts() const override { return counts_; }
 
  private:
-  // What stands behind the triangulation in an image.
+  // What follows the triangulation in an image.
   struct ImageEnd {
     std::uint64_t own_points = 0;
-    std::uint64_t of_points = 0;  // 1: nothing is kept of final cells, which were these
+    std::uint64_t of_points = 0;  // 1: the tile stores points, and its final cells are counted in `gone`
     CountedCells gone;
-    std::uint64_t finals_sum = 0;  // of the list of final cells that it goes with; 0: of none
+    std::uint64_t finals_sum = 0;  // checksum of the list of final cells that belongs to the image; 0: there is none
   };
   struct Heard {
     TileId from;
@@ -84,7 +86,7 @@ class DelaunayProgram final : public TileProgram {
   Status await_stored();
   bool decode_finals(std::span<const std::byte> bytes);
   Result<bool> restore_finals(std::span<const std::byte> bytes, bool at_once);
-  // Its first cells are stored before the others.
+  // Counts and drops the final cells of a tile that stores points.
   void discard(const LoadedTile& loaded, const Box& box);
   Result<std::unique_ptr<Finished>> finish_points();
   bool keeps_cells() const { return stage_.kind == TileKind::cells; }
@@ -96,15 +98,14 @@ class DelaunayProgram final : public TileProgram {
   TileId self_;
   const DelaunayStage& stage_;
   std::unique_ptr<TileTriangulation> triangulation_;
-  std::vector<Heard> heard_;            // taken, and not worked on yet
-  std::unique_ptr<LoadedTile> points_;  // kept while the tile is whole in memory
-  std::unique_ptr<PendingFinals>
-      finals_;                         // taken out of the triangulation; when they are not here, they are on scratch
-  BigVector<std::byte> stored_early_;  // what the storage has said of those that it has already; with finals_
-  std::future<DelaunayStore::StoredEarly> storing_;  // what it will say
-  bool earlier_ = false;                             // the image on scratch is another life's
+  std::vector<Heard> heard_;               // received, and not worked on yet
+  std::unique_ptr<LoadedTile> points_;     // kept while the tile is whole in memory
+  std::unique_ptr<PendingFinals> finals_;  // taken out of the triangulation; null: they are on scratch
+  BigVector<std::byte> stored_early_;      // what the storage has returned for the early cells; belongs to finals_
+  std::future<DelaunayStore::StoredEarly> storing_;  // will return stored_early_
+  bool earlier_ = false;                             // the image on scratch is of an earlier life
   std::uint64_t own_points_ = 0;
-  std::uint64_t finals_sum_ = 0;  // of what is, or was, in finals_
+  std::uint64_t finals_sum_ = 0;  // checksum of what is, or was, in finals_
   CountedCells gone_;             // cells that were dropped, all of them main
   ExchangeCounts counts_;
 };

@@ -24,7 +24,7 @@ class PointsOfRun final : public TilePoints {
   const std::vector<Attribute>& schema() const override { return run_->schema; }
   Result<LoadedTile> load(TileId tile) const override { return load_tile(*run_, tile); }
 
-  // Foreign vertices' rows stand in their owners' files.
+  // The rows of foreign vertices are in their owners' files.
   Result<std::vector<std::byte>> rows(TileId, std::span<const PointId> vertices,
                                       std::span<const TileId> owners) const override {
     const std::size_t width = row_bytes(run_->schema);
@@ -67,7 +67,7 @@ DiskStore::DiskStore(std::shared_ptr<const TilePoints> points, std::filesystem::
 
 Result<LoadedTile> DiskStore::load_points(TileId tile) { return points_->load(tile); }
 
-// What `write` gives, or why it could not.
+// Returns what `write` returns, or why it could not run.
 template <class Write>
 auto DiskStore::written(TileId tile, const Write& write) const noexcept -> decltype(write()) {
   const auto name = [&] { return "tile " + std::to_string(tile.value); };
@@ -87,8 +87,8 @@ auto DiskStore::written(TileId tile, const Write& write) const noexcept -> declt
   }
 }
 
-// How much room the other cells need is known when all have come: cells that may still change become some more, hardly
-// ever twice as many.
+// How much room the other cells need is known only when all have come. Cells that may still change become somewhat
+// more, hardly ever twice as many.
 DiskStore::StoredEarly DiskStore::write_early(TileId tile, const EarlyFinals& cells) const {
   const std::uint64_t others = cells.others();
   BOOST_OUTCOME_TRY(early, write_early_cells(out_, tile,
@@ -174,10 +174,10 @@ Result<Receipt> DiskStore::write_points(TileId tile, PointsOfTile& kept) {
 
 template <class Tile, class Write>
 void DiskStore::write_later(TileId tile, Tile kept, Finished::Stored done, Write write) {
-  auto held = std::make_shared<Tile>(std::move(kept));  // a task can be copied
+  auto held = std::make_shared<Tile>(std::move(kept));  // shared, as tasks must be copyable
   writers_.take([this, tile, held = std::move(held), done = std::move(done), write]() mutable noexcept {
     Result<Receipt> receipt = written(tile, [&] { return (this->*write)(tile, *held); });
-    held.reset();  // before the node believes that it is gone
+    held.reset();  // before the node counts its memory as free
     done(std::move(receipt));
   });
 }

@@ -1,4 +1,4 @@
-// Delaunay tiles' points in a run folder, or in a result that has only them; their results in the store.
+// Reads Delaunay tiles' points from a run folder, or from a result that is kept as points, and stores their results.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace tessera {
 
-// Where tiles' points are. For several threads at once.
+// Where tiles' points are. Thread-safe.
 class TilePoints {
  public:
   virtual ~TilePoints() = default;
@@ -23,25 +23,27 @@ class TilePoints {
   virtual const std::vector<Attribute>& schema() const = 0;
   // As DelaunayStore::load_points().
   virtual Result<LoadedTile> load(TileId tile) const = 0;
-  // What vertices of this tile's cells carry: rows of the schema. Error corrupt when one is missing.
+  // Returns the attributes of vertices of this tile's cells: ids.size() rows of the schema. `owners`: beside ids. Error
+  // corrupt when a vertex is missing.
   virtual Result<std::vector<std::byte>> rows(TileId tile, std::span<const PointId> ids,
                                               std::span<const TileId> owners) const = 0;
 };
+// Returns the points of a run folder.
 std::shared_ptr<const TilePoints> routed_points(std::shared_ptr<const RoutedCloud> run);
 
 class DiskStore final : public DelaunayStore {
  public:
-  // Results go to `out`; error io before anything is written there when the lock of the options is another's. As many
-  // meshes are stored at a time as there are `writers`, which wait for the disk while others work. What is being stored
-  // when this goes is waited for. `scratch`: of the stage; it outlives this, as `taker` does. If there is one, it gets
-  // the tiles' cells, and no results are written.
+  // Results go to `out`; nothing is written there when another process holds the lock of the options (error io).
+  // `writers` threads store that many meshes at a time, and wait for the disk while other threads work. The destructor
+  // waits for what is being stored. `scratch` is that of the stage; `scratch` and `taker` outlive this object. If there
+  // is a taker, it gets the tiles' cells, and no results are written.
   DiskStore(std::shared_ptr<const TilePoints> points, std::filesystem::path out, StoreOptions options,
             std::uint32_t writers, TileStorage& scratch, TileConsumer* taker);
   Result<LoadedTile> load_points(TileId tile) override;
-  // Written to the tile's file in `out`, under a temporary name.
+  // Writes to the tile's file in `out`, under a temporary name.
   std::future<StoredEarly> store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) override;
   Status take_early(TileId tile, BigVector<std::byte>& stored) override;
-  // The tile's scratch goes when its result is on disk.
+  // The tile's scratch is removed when its result is on disk.
   void store(TileId tile, CollectedTile collected, Finished::Stored done) override;
   void store_points(TileId tile, PointsOfTile kept, Finished::Stored done) override;
 
@@ -60,8 +62,8 @@ class DiskStore final : public DelaunayStore {
   StoreOptions options_;
   TileStorage& scratch_;
   TileConsumer* taker_;
-  std::counting_semaphore<> early_;  // how many more may be stored early now
-  Writers writers_;                  // last: they use all of the above
+  std::counting_semaphore<> early_;  // how many more tiles may store early cells now
+  Writers writers_;                  // last: the writers use all of the above
 };
 
 }  // namespace tessera

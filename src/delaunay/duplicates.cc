@@ -33,7 +33,8 @@ Result<Found> duplicates_of(const RoutedCloud& run, TileId tile, std::uint64_t c
 
 }  // namespace
 
-// The number stands behind the pairs, in the place of a last one: they are written where they are, however many.
+// The number of other heights follows the pairs, as one more pair. So the pairs are written from where they are,
+// without a copy.
 std::span<const std::byte> duplicates_to_bytes(LoadedTile& loaded) {
   loaded.duplicates.emplace_back(PointId{loaded.other_heights}, PointId{0});
   return std::as_bytes(std::span(loaded.duplicates));

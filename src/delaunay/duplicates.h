@@ -1,4 +1,4 @@
-// The duplicates of a whole run, which may be more than fit into memory, from what each tile has left of its own.
+// Gathers the duplicates of a whole run, which need not fit into memory, from what each tile has left on scratch.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace tessera {
 
-// What a tile leaves on scratch of its duplicates: the pairs and how many are at other heights. Valid as long as they
-// are not changed.
+// Returns what a tile leaves on scratch of its duplicates: the pairs, and how many have other heights. Adds an entry to
+// loaded.duplicates. Valid until loaded.duplicates is changed.
 std::span<const std::byte> duplicates_to_bytes(LoadedTile& loaded);
 
-// Adds the pairs of all tiles to `out`, and tells how many are at other heights than the kept points. `tiles`: the
-// entries of all that hold points; their numbers of vertices tell how many pairs there are. What is missing or damaged
-// is found again from the points.
+// Adds the pairs of all tiles to `out`. Returns how many duplicates have another height than the kept point. `tiles`:
+// the entries of all tiles that hold points; their numbers of vertices tell how many pairs there are. Pairs whose
+// scratch is missing or damaged are found again from the points.
 Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles,
                                         DuplicateSort& out);
 

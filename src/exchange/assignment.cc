@@ -7,7 +7,8 @@
 namespace tessera {
 namespace {
 
-// Of those with room for a tile of this weight.
+// Returns the index of the host with the least load for each of its threads, of those with room for a tile of this
+// weight.
 std::size_t least_loaded(std::span<const Host> hosts, const std::vector<double>& load, std::uint64_t weight) {
   std::size_t least = hosts.size();
   for (std::size_t h = 0; h < hosts.size(); ++h) {
@@ -33,7 +34,7 @@ std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std
   double begun = 0, until = all_weight * hosts[0].threads / all_threads;
   for (const TileId t : tiles) {
     const auto own = static_cast<double>(weights[t.value]);
-    // A tile belongs where its middle is.
+    // A tile belongs to the host in whose interval the tile's middle lies.
     while (host + 1 < hosts.size() && begun + own / 2 > until) {
       ++host;
       until += all_weight * hosts[host].threads / all_threads;

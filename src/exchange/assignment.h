@@ -1,4 +1,4 @@
-// Which node works on which tile. Pure functions: whoever computes them finds the same.
+// Decides which node works on which tile. These are pure functions: every process computes the same answer.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 
 namespace tessera {
 
-// A node that takes tiles, for how much of the work it counts: its threads; and how heavy a tile may be that it has
-// the memory to work on.
+// A node to which tiles can be given. `threads` is its share of the work. `weight_max` is the weight of the heaviest
+// tile for which the node has enough memory.
 struct Host {
   NodeId node;
   std::uint32_t threads = 1;
   std::uint64_t weight_max = std::numeric_limits<std::uint64_t>::max();
 };
 
-// A tile's new home. Of a tile that begins again the incarnation is another one.
+// A tile's new node. A tile that begins again gets another incarnation.
 struct Placement {
   TileId tile;
   NodeId node;
@@ -27,21 +27,25 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-// Cuts `tiles`, in the order given, into contiguous runs, one a host, by weight and threads. In the order of a
-// space-filling curve most neighbours are at home. A tile for which its host has no room goes to whoever has, and has
-// least to do. Returns a node for each. REQUIRES: there is a host with room for each.
+// Cuts `tiles`, in the order given, into one contiguous run for each host, in proportion to the hosts' threads. When
+// the tiles are in the order of a space-filling curve, most neighbours of a tile are on the same host. A tile that is
+// too heavy for its host goes to the host that has room for it and has the least to do. Returns the node of each tile,
+// in the order of `tiles`. `weights` has an entry for every tile of the job, by tile id. REQUIRES: some host has room
+// for each tile.
 std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std::uint64_t> weights,
                               std::span<const Host> hosts);
 
-// Whether one of the hosts has room for a tile of this weight.
+// Returns whether one of the hosts has room for a tile of this weight.
 bool any_has_room(std::span<const Host> hosts, std::uint64_t weight);
 
-// `tiles` begin again as other incarnations, each somewhere on `hosts`. `weights`: by tile, of all. `term`: of the
-// coordinator: those of one that does not know yet that it has been replaced are others.
+// Places `tiles` on `hosts`, as share_out() does, each as its next incarnation. `weights` has an entry for every tile
+// of the job, by tile id. `term` is the coordinator's term. The new incarnations belong to that term, so those of a
+// replaced coordinator are never equal to them.
 std::vector<Placement> place_again(const RoutingTable& table, std::span<const TileId> tiles,
                                    std::span<const std::uint64_t> weights, std::span<const Host> hosts, Term term = {});
 
-// REQUIRES: the table has these tiles.
+// Returns `table` with `changes` made, as the table of `epoch`. REQUIRES: the table has an entry for each of these
+// tiles.
 RoutingTable next_table(const RoutingTable& table, Epoch epoch, std::span<const Placement> changes);
 
 }  // namespace tessera

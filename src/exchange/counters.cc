@@ -17,7 +17,8 @@ PeerCounters::Count& PeerCounters::at(TileIncarnation peer) {
   auto found = std::lower_bound(count_.begin(), count_.end(), wanted,
                                 [&](const Count& c, const auto& value) { return key(c) < value; });
   if (found != count_.end() && key(*found) == wanted) return *found;
-  if (count_.size() == count_.capacity()) {  // by less than the half that is usual: these stay while tiles are asleep
+  // Grows by less than the usual factor, because these arrays stay in memory while their tiles are asleep.
+  if (count_.size() == count_.capacity()) {
     const auto index = found - count_.begin();
     count_.reserve(count_.size() + count_.size() / 8 + 4);
     found = count_.begin() + index;

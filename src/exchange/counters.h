@@ -1,5 +1,6 @@
-// What a tile has sent and processed, per peer incarnation: a tile that is rebuilt after a crash is another peer, and
-// what was exchanged with the dead one no longer counts (docs/design.md, section 3).
+// Counts the updates that a tile has sent to and processed from each incarnation of each other tile. A tile that begins
+// again after a loss is another peer, and what was exchanged with the dead incarnation no longer counts
+// (docs/design.md, section 3).
 #pragma once
 
 #include <compare>
@@ -28,17 +29,19 @@ struct Totals {
   }
 };
 
-// Sorted and flat: a tile in space has some sixty peers, and there are many tiles.
+// The counters of one tile. The array is sorted and flat to save memory: a tile in space has some sixty peers, and
+// there are many tiles.
 class PeerCounters {
  public:
   void add_sent(TileIncarnation peer) { ++at(peer).sent; }
   void add_processed(TileIncarnation peer) { ++at(peer).processed; }
-  // What was exchanged with dead incarnations vanishes from both sides of the sum.
+  // Removes the counters of all peers for which `dead(TileIncarnation)` is true. When both sides do so, what was
+  // exchanged with a dead incarnation vanishes from the sums of sent and of processed updates.
   template <class Dead>
   void forget_if(const Dead& dead) {
     std::erase_if(count_, [&](const Count& c) { return dead(TileIncarnation{c.tile, lives_[c.life]}); });
   }
-  // Gives back what was taken for peers to come.
+  // Gives back the memory that was reserved for further peers.
   void trim() {
     count_.shrink_to_fit();
     lives_.shrink_to_fit();
@@ -49,14 +52,14 @@ class PeerCounters {
  private:
   struct Count {
     TileId tile;
-    std::uint32_t life = 0;                 // of the tile: which of lives_
-    std::uint32_t sent = 0, processed = 0;  // an update tells of something new: there are fewer than vertices
+    std::uint32_t life = 0;                 // index of the incarnation in lives_
+    std::uint32_t sent = 0, processed = 0;  // 32 bits are enough, because updates tell something new
   };
   std::uint32_t life_of(Incarnation incarnation);
   Count& at(TileIncarnation peer);
 
-  std::vector<Count> count_;        // by tile and life
-  std::vector<Incarnation> lives_;  // of peers: hardly ever more than one
+  std::vector<Count> count_;        // sorted by tile and life
+  std::vector<Incarnation> lives_;  // all incarnations of peers: hardly ever more than one
 };
 
 }  // namespace tessera

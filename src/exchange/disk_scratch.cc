@@ -28,7 +28,8 @@ DiskScratch::DiskScratch(DiskScratchOptions options)
     : options_(std::move(options)), settled_(options_.shared, options_.seal, options_.node) {}
 
 const std::filesystem::path& DiskScratch::folder_of(ScratchKind what) const {
-  return what == ScratchKind::duplicates ? options_.shared : options_.own;  // all duplicates are gathered at the end
+  // The duplicates of all nodes are gathered at the end.
+  return what == ScratchKind::duplicates ? options_.shared : options_.own;
 }
 
 template <class Outcome>

@@ -1,4 +1,5 @@
-// The scratch of a stage's tiles on disk: a node's own, and what all nodes of a job see.
+// Keeps the scratch of a stage's tiles on disk: partly in a folder that all nodes of the job see, partly in the node's
+// own.
 #pragma once
 
 #include <atomic>
@@ -11,10 +12,10 @@
 namespace tessera {
 
 struct DiskScratchOptions {
-  std::filesystem::path shared;     // what others need
-  std::filesystem::path own;        // tiles that are not in memory, and their mail
-  std::uint64_t seal = 0;           // of the run: scratch of another one is damage
-  std::filesystem::path lock_file;  // nothing is written or removed once it is another's (check_held())
+  std::filesystem::path shared;     // folder for what other nodes need, too
+  std::filesystem::path own;        // folder for tiles that are not in memory, and their mail
+  std::uint64_t seal = 0;           // of the run: files of another run count as damaged
+  std::filesystem::path lock_file;  // nothing is written or removed once another process has it (check_held())
   NodeId node;
 };
 
@@ -30,14 +31,14 @@ class DiskScratch final : public TileStorage {
   Status hand_over(TileId tile, std::span<const std::byte> bytes) override;
   Result<Pieces> handed(TileId tile) override;
   Status forget_handed(TileId tile) override;
-  // What settled tiles have left has reached the disk. Error io.
+  // Returns when what settled tiles have left is on the disk, synced. Error io.
   Status sync_settled() { return settled_.sync(); }
   bool own_scratch_failed() const override { return own_scratch_failed_; }
 
  private:
   const std::filesystem::path& folder_of(ScratchKind what) const;
   FrameOwner owner_of(TileId tile) const { return {options_.seal, tile.value}; }
-  // What came of it on scratch, which is noted when it could not be used, and is the node's own.
+  // Returns `outcome`. Notes an error io in the node's own folder, for own_scratch_failed().
   template <class Outcome>
   Outcome on(ScratchKind what, Outcome outcome);
 

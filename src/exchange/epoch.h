@@ -1,4 +1,4 @@
-// Numbers that tell what still counts: of coordinators, tables, lives of tiles, and questions whether all is quiet.
+// Numbers that tell what still counts: of coordinators, of routing tables, of lives of tiles, and of waves.
 #pragma once
 
 #include <compare>
@@ -9,24 +9,25 @@
 
 namespace tessera {
 
-// Of the coordinators of one job, one after the other: the one with the highest is obeyed.
+// The number of a coordinator of a job. The coordinators of one job have increasing terms, and the highest is obeyed.
 using Term = Id<struct TermTag, std::uint32_t>;
-// Of the collections of counters by one coordinator.
+// The number of one collection of counters by a coordinator.
 using Wave = Id<struct WaveTag, std::uint64_t>;
 
-// Of a table. Those of a later term are greater, whatever tables a coordinator that was replaced still makes.
+// The number of a routing table. Epochs are compared by term first, so every epoch of a later term is greater than all
+// epochs that a replaced coordinator can still make.
 struct Epoch {
   Term term;
   std::uint32_t number = 0;
   friend constexpr auto operator<=>(const Epoch&, const Epoch&) = default;
-  // The one that a coordinator of this term makes after it.
+  // Returns the epoch that follows this one when the coordinator has the term `of`.
   Epoch next(Term of) const { return term < of ? Epoch{of, 0} : Epoch{term, number + 1}; }
   friend std::string to_string(const Epoch& epoch) {
     return to_string(epoch.term) + "." + std::to_string(epoch.number);
   }
 };
 
-// A life of a tile, likewise.
+// The number of one life of a tile. Incarnations are compared by term first, as epochs are.
 struct Incarnation {
   Term term;
   std::uint32_t number = 0;

@@ -1,4 +1,5 @@
-// What work has left behind in the allocator's pools, where no other thread finds it, goes back to the system.
+// Gives free memory in the allocator's pools back to the system. Work leaves such memory behind in pools of its thread,
+// where other threads cannot use it.
 #pragma once
 
 #include <malloc.h>
@@ -8,13 +9,13 @@
 
 namespace tessera {
 
-// Going through the pools takes as long as they are large, whatever is found there: once for each `often` bytes that
-// were worked on, so that small tiles do not pay more for it than for their work.
+// Trims the heap once for each `often` bytes that were worked on. Trimming takes time in proportion to the size of the
+// pools, whatever is free in them. So small tiles would otherwise pay more for trimming than for their work.
 class HeapTrim {
  public:
-  // 0: never.
+  // Sets after how many bytes of work the heap is trimmed. 0: never. Not thread-safe.
   void set_often(std::uint64_t bytes) { often_ = bytes; }
-  // Called by any thread.
+  // Counts `bytes` of work, and trims the heap when it is time. Thread-safe.
   void worked_on(std::uint64_t bytes) const {
     if (often_ == 0 || (since_ += bytes) < often_) return;
     since_ = 0;

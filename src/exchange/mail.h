@@ -1,4 +1,5 @@
-// The mail of one tile: updates that wait to be processed, the latest in memory, the others on scratch.
+// The mail of one tile: updates that wait to be processed. The latest are in memory, the others on scratch. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +12,18 @@ namespace tessera {
 
 class Mail {
  public:
-  // At most `bytes_max` bytes of messages, and an update, are held in memory.
+  // Holds at most `bytes_max` bytes of messages in memory, and the update that was added last.
   Mail(TileId tile, std::uint64_t bytes_max) : tile_(tile), bytes_max_(bytes_max) {}
 
   Status add(Update update, TileStorage& storage);
-  // Everything that waits, what is on scratch first; nothing waits afterwards. Error corrupt when what was on
+  // Returns all updates that wait, those on scratch first. Nothing waits afterwards. Error corrupt when what is on
   // scratch is not what was put there.
   Result<std::vector<Update>> take(TileStorage& storage);
-  // Forgets all, on scratch, too.
+  // Forgets all updates, those on scratch, too.
   Status clear(TileStorage& storage);
 
   std::uint64_t updates() const { return updates_; }
-  std::uint64_t bytes() const { return bytes_; }  // of messages; on scratch, too
+  std::uint64_t bytes() const { return bytes_; }  // of messages, those on scratch included
   std::uint64_t memory() const { return held_bytes_ + held_.capacity() * sizeof(Update); }
 
  private:

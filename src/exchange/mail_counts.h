@@ -1,5 +1,6 @@
-// How many bytes the tiles of a node tell others, for those who watch: a counter for each two parts of the map of
-// tiles, whatever the number of tiles. Safe from any thread; nothing that the result depends on.
+// Counts how many bytes the tiles of a node send to others, for display. There is a counter for each pair of regions of
+// the map of tiles, so the size does not depend on the number of tiles. Thread-safe. The result of a job does not
+// depend on these counts.
 #pragma once
 
 #include <atomic>
@@ -15,7 +16,7 @@ namespace tessera {
 
 class MailCounts {
  public:
-  static constexpr std::size_t parts_max = 128;  // 128 KiB of counters
+  static constexpr std::size_t parts_max = 128;  // regions of the map: 128 KiB of counters
 
   explicit MailCounts(MapParts parts) : parts_(std::move(parts)), bytes_(parts_.codes.size() * parts_.codes.size()) {}
 
@@ -26,7 +27,8 @@ class MailCounts {
     bytes_[a * parts_.codes.size() + b].fetch_add(bytes, std::memory_order_relaxed);
   }
 
-  // The heaviest since it was asked last; the others are forgotten.
+  // Returns the `max` pairs of regions with the most bytes since the last call. The counts of all other pairs are
+  // forgotten.
   std::vector<MailArc> take(std::size_t max) {
     std::vector<MailArc> arcs;
     const std::size_t parts = parts_.codes.size();

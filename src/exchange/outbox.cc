@@ -32,7 +32,7 @@ void Outbox::clear() noexcept {
   spilled_.clear();
   held_bytes_ = spilled_bytes_ = in_flight_ = 0;
   if (end_ > 0) {
-    std::error_code left;  // goes with its folder
+    std::error_code left;  // a file that stays is removed with its folder
     std::filesystem::remove(scratch_, left);
     end_ = 0;
   }
@@ -44,7 +44,7 @@ Status Outbox::add(Update update) {
   return held_bytes_ > options_.memory_bytes && !scratch_.empty() ? spill() : success();
 }
 
-// The oldest that fit into a parcel, at least one.
+// Removes and returns the oldest updates that fit into one packet, and at least one.
 std::vector<Update> Outbox::cut() {
   std::vector<Update> packet;
   std::uint64_t bytes = 0;
@@ -82,7 +82,8 @@ Result<std::vector<Update>> Outbox::next() {
   const std::uint64_t bytes = spilled_.empty()
                                   ? std::min(std::max(bytes_of(held_.front()), options_.parcel_bytes), held_bytes_)
                                   : spilled_.front().bytes;
-  // What is no more than the other one may hold back counts as nothing, or what is larger than the window would stay.
+  // The receiver may hold back held_back() bytes without giving credit, so that much under way counts as nothing.
+  // Otherwise an update larger than the rest of the window would wait for ever.
   if (in_flight_ > held_back(options_.window_bytes) && in_flight_ + bytes > options_.window_bytes) {
     if (!std::exchange(waits_, true)) ++counts_.waits;
     return packet;

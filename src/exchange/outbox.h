@@ -1,10 +1,10 @@
-// What waits to be sent to one other node of a job. Pure but for its scratch: told what there is and what has been
-// taken there, it says what may be sent now.
+// What waits to be sent to one other node of a job, with flow control. An outbox does no I/O but for its scratch file:
+// it is told what there is to send and what the other node has taken, and says what may be sent now. Not thread-safe.
 //
-// Of what has been sent, no more than a window of bytes may be neither in the mail of its tiles nor dropped there: a
-// slow node slows down those who talk to it, and nobody runs out of memory. The other one says so when it comes to
-// held_back() bytes, not for every parcel. What waits meanwhile is held in memory up to a bound, and then on scratch.
-// Receiving never waits for sending, so nodes cannot wait for each other in a circle.
+// A window bounds the bytes that were sent and are neither in the mail of their tiles nor dropped at the other node. So
+// a slow node slows down the nodes that send to it, and no node runs out of memory. The other node gives credit once
+// for each held_back() bytes, not for every packet. What waits meanwhile is held in memory up to a bound, and then on
+// scratch. Receiving never waits for sending, so nodes cannot wait for each other in a circle.
 #pragma once
 
 #include <algorithm>
@@ -20,15 +20,16 @@ namespace tessera {
 
 struct OutboxOptions {
   std::uint64_t window_bytes = std::uint64_t{32} << 20;
-  std::uint64_t parcel_bytes = std::uint64_t{1} << 20;  // sent at once; a single update may have more
-  std::uint64_t memory_bytes = std::uint64_t{8} << 20;  // of what waits
+  std::uint64_t parcel_bytes = std::uint64_t{1} << 20;  // size of a packet; a larger update is a packet of its own
+  std::uint64_t memory_bytes = std::uint64_t{8} << 20;  // of what waits; more goes to scratch
 };
 
-// Those of a node that talks to `peers` others: what it has received and not given to tiles yet, and what waits to be
-// sent, each in half of `bytes`.
+// Returns the options for a node that sends to `peers` others within `bytes` of memory. One half is for what it has
+// received and not yet given to tiles, the other half for what waits to be sent. With many peers the lower bounds of
+// packet and window exceed `bytes`.
 OutboxOptions outboxes_within(std::uint64_t bytes, std::uint64_t peers);
 
-// More than a node that keeps to the largest window ever has under way to another one.
+// More bytes than a node that keeps to the largest window ever has under way to another one.
 inline constexpr std::uint64_t in_flight_max = OutboxOptions{}.window_bytes + 4 * OutboxOptions{}.parcel_bytes;
 
 struct OutboxCounts {
@@ -44,24 +45,27 @@ struct OutboxCounts {
 
 class Outbox {
  public:
-  // What it counts for: about what it takes on the wire and in memory.
+  // Returns for how many bytes an update counts: about what it takes on the wire and in memory.
   static std::uint64_t bytes_of(const Update& update) { return 64 + update.message.size(); }
 
-  // `scratch`: a file that is its own; none: everything that waits is held in memory.
+  // `scratch` names a file that this object alone uses. When the path is empty, everything that waits is held in
+  // memory.
   Outbox(const OutboxOptions& options, std::filesystem::path scratch);
   Outbox(const Outbox&) = delete;
   Outbox& operator=(const Outbox&) = delete;
   ~Outbox();
 
-  // Error io.
+  // Appends an update. Error io.
   Status add(Update update);
-  // What may be sent now, in the order in which it came; nothing while the window is full. Errors io, corrupt.
+  // Returns the next packet, in the order in which updates were added. The packet is empty when nothing waits or while
+  // the window is full. Errors io, corrupt.
   Result<std::vector<Update>> next();
+  // How many bytes the receiver may take before it must give credit.
   static std::uint64_t held_back(std::uint64_t window_bytes) { return window_bytes / 4; }
 
-  // So many of the bytes sent have been taken there.
+  // The other node has taken `bytes` of what was sent.
   void taken(std::uint64_t bytes) { in_flight_ -= std::min(bytes, in_flight_); }
-  // Nobody is there any more.
+  // Forgets all that waits, as the other node is gone.
   void clear() noexcept;
 
   const OutboxCounts& counts() const { return counts_; }
@@ -77,7 +81,7 @@ class Outbox {
   OutboxOptions options_;
   std::filesystem::path scratch_;
   std::deque<Update> held_;
-  std::deque<Spilled> spilled_;  // came before those held
+  std::deque<Spilled> spilled_;  // in the scratch file; older than those in held_
   std::uint64_t held_bytes_ = 0, spilled_bytes_ = 0, in_flight_ = 0, end_ = 0;
   bool waits_ = false;
   OutboxCounts counts_;

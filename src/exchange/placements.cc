@@ -25,7 +25,8 @@ std::vector<std::uint32_t> Placements::tiles(std::size_t nodes) const {
   return tiles;
 }
 
-// Others than those of parts that nobody was asked for, and that go on.
+// The new epochs and incarnations are of this coordinator's term. So they differ from those of shares that go on though
+// no coordinator has asked them.
 void Placements::begin(std::uint32_t stage, std::span<const Host> hosts) {
   table_ = {{options_.term, 0},
             stage,
@@ -35,10 +36,10 @@ void Placements::begin(std::uint32_t stage, std::span<const Host> hosts) {
   for (std::size_t i = 0; i < nodes.size(); ++i) table_.nodes[options_.order[i].value] = nodes[i];
 }
 
-// Nodes have come and gone, so that the work is shared out anew. A tile that stays where it is keeps its incarnation:
+// Nodes have come and gone, so the work is shared out anew. A tile that stays on its node keeps its incarnation:
 // nothing of the stage before is on its way to it.
 std::vector<Placement> Placements::begin_next_stage(const std::vector<Host>& hosts, const Lives& lives) {
-  if (table_.nodes.empty()) {  // one node had all
+  if (table_.nodes.empty()) {  // one node had all tiles
     table_.nodes.assign(options_.weights.size(), NodeId{0});
     table_.incarnations.assign(options_.weights.size(), {});
   }
@@ -48,7 +49,7 @@ std::vector<Placement> Placements::begin_next_stage(const std::vector<Host>& hos
   std::vector<TileId> tiles = options_.order;
   std::vector<Placement> changes = hosts.empty() ? std::vector<Placement>() : again(tiles, hosts, lives);
   std::erase_if(changes, [&](const Placement& change) { return table_.node_of(change.tile) == change.node; });
-  // Of those left over there is no room for some; or all nodes that are there are to leave.
+  // Tiles are left over when no host has room for them, or when all nodes that are there are about to leave.
   std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(released_),
                [&](TileId tile) { return hosts.empty() || !lives(table_.node_of(tile)); });
   return changes;
@@ -71,7 +72,7 @@ std::size_t Placements::lose(NodeId node) {
 
 bool Placements::answer(NodeId node, std::span<const TileId> tiles) {
   const auto asked = asked_.find(node);
-  if (asked == asked_.end()) return false;  // lost meanwhile, and its tiles with it
+  if (asked == asked_.end()) return false;  // the node was lost meanwhile, and its tiles with it
   asked_.erase(asked);
   release(tiles);
   return true;
@@ -86,8 +87,9 @@ bool Placements::end_handing(NodeId node) {
   return true;
 }
 
-// One that nobody has begun, and that its node has given up, is nobody's until the table says otherwise, and the table
-// has it on a node that lives: it does not wait, and goes to whoever has most room. `all`: there are no other hosts.
+// Places those of `tiles` for which some host has room, and removes them from `tiles`. With `all`, `hosts` are all
+// hosts that there are. Then a tile without room anywhere does not wait when the table has it on a node that lives: its
+// node has given it up before it began, and goes on without it. Such a tile goes to the host with most room.
 std::vector<Placement> Placements::again(std::vector<TileId>& tiles, std::vector<Host> hosts, const Lives& lives,
                                          bool all) const {
   const auto waits = std::stable_partition(tiles.begin(), tiles.end(), [&](TileId tile) {
@@ -109,7 +111,7 @@ Placements::Placed Placements::place(const std::vector<Host>& hosts, const Lives
   late_.clear();
   Placed placed{again(lost_, hosts, lives), 0};
   placed.again = placed.changes.size();
-  for (const bool all : {false, true}) {  // then what those that came late have no room for
+  for (const bool all : {false, true}) {  // first to nodes that came late, then the rest to all
     const auto moved = again(released_, all ? hosts : late, lives, all);
     placed.changes.insert(placed.changes.end(), moved.begin(), moved.end());
   }

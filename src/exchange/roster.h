@@ -1,5 +1,5 @@
-// The nodes that have, or had, a part of a job, by the numbers that they have in it, and how each stands. Pure: who can
-// be reached how, others know.
+// The nodes that have, or had, a share of a job, by their numbers in the job, with the state of each. A plain object
+// without I/O and threads: addresses and connections are known elsewhere.
 #pragma once
 
 #include <algorithm>
@@ -14,30 +14,30 @@ namespace tessera {
 class Roster {
  public:
   enum class Standing : std::uint8_t {
-    asked,    // for its part, and has not answered
-    there,    // its part is open
-    ended,    // its part has ended, as all do at the end of a job
-    refused,  // it could not open its part; it is gone, as the next two
+    asked,    // was asked to open its share, and has not answered
+    there,    // its share is open
+    ended,    // its share has ended, as all do at the end of a job
+    refused,  // it could not open its share; this state and the next two mean that the node is gone
     lost,
     left  // in order
   };
-  // What its part has said of the stage at hand since the last table.
+  // What the node's share has said of the present stage since the last table.
   enum class Reached : std::uint8_t { nothing, settled, collected };
 
   struct Node {
     Standing standing = Standing::asked;
     Reached reached = Reached::nothing;
     bool begun = false;      // all its tiles have begun the stage
-    bool dismissed = false;  // has been told that it may end before the others
+    bool dismissed = false;  // it was told that it may end before the others
     std::uint32_t threads = 1;
     std::uint64_t memory_bytes = 0;
-    std::string name;         // once its part is open
-    std::uint32_t tiles = 0;  // when they were counted last
+    std::string name;         // known once its share is open
+    std::uint32_t tiles = 0;  // when they were last counted
 
-    // It takes no part any more, and nothing that it says counts.
+    // Returns whether the node has no share any more; nothing that it says counts.
     bool gone() const { return standing >= Standing::refused; }
     bool there() const { return standing == Standing::there; }
-    // Its part is not open any more, or never will be.
+    // Returns whether its share is no longer open, or never will be.
     bool over() const { return standing >= Standing::ended; }
   };
 
@@ -46,19 +46,20 @@ class Roster {
   const Node& operator[](NodeId node) const { return nodes_.at(node.value); }
   const std::vector<Node>& nodes() const { return nodes_; }
 
-  // The next number.
+  // Adds a node and returns its number, which is the next free one.
   NodeId add() {
     nodes_.emplace_back();
     return NodeId{static_cast<std::uint32_t>(nodes_.size() - 1)};
   }
-  // Numbers up to here are taken, by nodes of which nothing is known: they are lost until they are found.
+  // Takes the first `numbers` numbers, for nodes of which nothing is known. These nodes count as lost until they are
+  // found.
   void take_numbers(std::size_t numbers) {
     nodes_.assign(numbers, Node());
     for (Node& node : nodes_) node.standing = Standing::lost;
   }
 
   bool has(NodeId node) const { return node.value < nodes_.size() && !nodes_[node.value].gone(); }
-  // No part is there, and none is on its way.
+  // Returns whether no share is open and none is being opened.
   bool nobody() const {
     return all([](const Node&) { return false; });
   }
@@ -66,12 +67,12 @@ class Roster {
     return std::all_of(nodes_.begin(), nodes_.end(),
                        [](const Node& node) { return node.standing == Standing::refused; });
   }
-  // Of those that are not gone.
+  // Returns whether `is` holds for every node that is not gone.
   template <class Is>
   bool all(Is is) const {
     return std::all_of(nodes_.begin(), nodes_.end(), [&](const Node& node) { return node.gone() || is(node); });
   }
-  // Of those that are not gone and whose parts are open.
+  // Returns whether the shares of all nodes that are not gone and have opened their shares have reached `what`.
   bool all_reached(Reached what) const {
     return all([&](const Node& node) { return node.standing == Standing::asked || node.reached == what; });
   }
@@ -81,7 +82,7 @@ class Roster {
   bool any_has_begun() const {
     return std::any_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.begun; });
   }
-  // There is a new table.
+  // There is a new table, so what shares have said before does not count any more.
   void forget_reached() {
     for (Node& node : nodes_) node.reached = Reached::nothing;
   }

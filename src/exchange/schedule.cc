@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t ahead_part = 256;  // of the memory, for one that is granted ahead of a free thread
+constexpr std::uint64_t ahead_part = 256;  // a permit ahead of a free thread gets at most 1/256 of the memory
 constexpr TileId nobody{~std::uint32_t{0}};
 
 }  // namespace
@@ -67,7 +67,7 @@ std::vector<TileId> Schedule::release(std::uint64_t weight) {
   return released;
 }
 
-// An empty update counts, too: it must be processed.
+// Updates are counted, too, because empty updates must be processed as well.
 Schedule::Ready Schedule::place(TileId id, const Tile& tile) {
   return {~tile.mail.hops, tile.mail.bytes + tile.mail.updates, id};
 }
@@ -78,7 +78,7 @@ bool Schedule::pending(const Tile& tile) const {
   }
   if (phase_ == Phase::handing) return tile.place == Place::awake || tile.place == Place::asleep;
   if (phase_ != Phase::collecting) return false;
-  if (tile.place == Place::awake) return true;  // at least dropped
+  if (tile.place == Place::awake) return true;  // is finished, or at least dropped
   return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
 }
 
@@ -232,7 +232,7 @@ std::optional<Schedule::Permit> Schedule::next() {
     return grant_in_room(t, Work::settle, tile.memory + waking_bytes(tile));
   }
   if (phase_ == Phase::collecting) {
-    // Those that wait for the disk keep no others from memory, unless they are small.
+    // Tiles that wait for the disk may not take the memory of others, unless they are small.
     const bool many = storing_ > options_.threads && storing_bytes_ > options_.memory_bytes / 16;
     if (pending_.empty() || many) return std::nullopt;
     const TileId t = pending_.begin()->second;
@@ -256,7 +256,7 @@ std::optional<Schedule::Permit> Schedule::next() {
   return ready_.empty() ? wake_next() : step_awake();
 }
 
-// Of those asleep the image passes through memory.
+// The image of a sleeping tile passes through memory.
 std::optional<Schedule::Permit> Schedule::hand_next() {
   if (ahead() || pending_.empty()) return std::nullopt;
   const TileId t = pending_.begin()->second;
@@ -266,7 +266,7 @@ std::optional<Schedule::Permit> Schedule::hand_next() {
   return permit(t, Work::hand_over, needed);
 }
 
-// REQUIRES: there is one with mail.
+// REQUIRES: a tile in memory with mail is idle.
 std::optional<Schedule::Permit> Schedule::step_awake() {
   const TileId t = std::get<2>(*ready_.begin());
   const Tile& tile = tiles_.at(t);
@@ -285,7 +285,7 @@ std::optional<Schedule::Permit> Schedule::wake_next() {
   return grant_in_room(*t, Work::step, tile.memory + waking_bytes(tile) + growth(tile.mail));
 }
 
-// Of those asleep with mail, the first from where the sweep is; where it ends it turns.
+// Returns the next tile of the sweep, of the sleeping tiles with mail. The sweep turns where it ends.
 std::optional<TileId> Schedule::next_of_sweep() {
   for (int turns = 0; turns < 2; ++turns) {
     if (sweeping_back_) {
@@ -298,7 +298,8 @@ std::optional<TileId> Schedule::next_of_sweep() {
   return std::nullopt;
 }
 
-// Of those in memory: without mail, the farthest from the sweep, in the order of tiles; else with the least mail.
+// Returns the tile in memory that is to sleep, but never `but`: of those without mail the farthest from the sweep, in
+// the order of tiles; if all have mail, the one with the least.
 std::optional<TileId> Schedule::to_sleep(TileId but) const {
   const auto distance = [&](TileId t) { return t < sweep_ ? sweep_.value - t.value : t.value - sweep_.value; };
   auto first = quiet_.begin();
@@ -316,9 +317,9 @@ bool Schedule::fits(TileId t, std::uint64_t needed, std::uint64_t freed) const {
   return memory_ - freed - tiles_.at(t).memory + needed <= options_.memory_bytes;
 }
 
-// Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
-// with nothing else in memory a tile may exceed the budget. Ahead of a free thread only what is small is granted, for
-// it holds its memory while it waits.
+// Gives the permit, or makes room by putting another tile to sleep, or waits until some work ends. Some work is always
+// under way: with nothing else in memory a tile may exceed the budget. A permit ahead of a free thread is for small
+// work only, because the tile holds its memory while it waits.
 std::optional<Schedule::Permit> Schedule::grant_in_room(TileId t, Work work, std::uint64_t needed) {
   if (ahead() && (!fits(t, needed) || needed > options_.memory_bytes / ahead_part)) return std::nullopt;
   if (fits(t, needed)) return permit(t, work, needed);

@@ -21,7 +21,7 @@ SettledFiles::SettledFiles(const std::filesystem::path& run, std::uint64_t seal,
     : folder_(scratch_folder(run, ScratchKind::settled)), own_(settled_file(run, node)), seal_(seal) {}
 
 Status SettledFiles::append(TileId tile, std::span<const std::byte> bytes) {
-  const std::lock_guard lock(mutex_);  // a write that is cut short goes on at the end of the file
+  const std::lock_guard lock(mutex_);  // a write that was cut short is continued at the end of the file
   index_.reset();
   BOOST_OUTCOME_TRYV(make_directories(folder_));
   appended_ = true;
@@ -30,7 +30,7 @@ Status SettledFiles::append(TileId tile, std::span<const std::byte> bytes) {
 
 Status SettledFiles::sync() {
   const std::lock_guard lock(mutex_);
-  if (!appended_) {  // an earlier process of this node may have
+  if (!appended_) {  // an earlier process of this node may have appended
     BOOST_OUTCOME_TRY(there, is_there(own_));
     if (!there) return success();
   }
@@ -43,10 +43,10 @@ Result<std::uint64_t> SettledFiles::bytes_there() const {
   FolderReader reader(folder_);
   while (const char* file = reader.next()) {
     if (!is_settled_name(file)) continue;
-    // Opened: of a file that another machine writes, a network file system keeps for a while what it was told, until
-    // the file is opened.
+    // The file is opened for its size: a network file system answers from its cache, for a file that another machine
+    // writes, until the file is opened.
     const FileHandle opened(::open((folder_ / file).c_str(), O_RDONLY | O_CLOEXEC));
-    if (opened.get() < 0 && errno == ENOENT) continue;  // removed just now
+    if (opened.get() < 0 && errno == ENOENT) continue;  // it was removed just now
     if (opened.get() < 0) return io_error(folder_ / file, "cannot be opened", errno);
     BOOST_OUTCOME_TRY(size, size_of(opened, folder_ / file));
     bytes += size;

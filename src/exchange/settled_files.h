@@ -1,5 +1,6 @@
-// What settled tiles are built from, of all tiles of a node in one file: to make a file takes longer than to fill it.
-// In a run folder that several nodes write to, each appends to a file of its own, and reads those of all.
+// Keeps what settled tiles are built from. All tiles of a node are in one file, because making a file takes longer than
+// filling it. When several nodes use a run folder, each node appends to a file of its own and reads the files of all
+// nodes.
 #pragma once
 
 #include <cstddef>
@@ -16,21 +17,22 @@
 
 namespace tessera {
 
-// Safe to call from several threads.
+// Thread-safe.
 class SettledFiles {
  public:
-  // `seal`: of the run.
+  // `seal` is that of the run.
   SettledFiles(const std::filesystem::path& run, std::uint64_t seal, NodeId node);
 
-  // Once for each tile; makes the folder. Error io.
+  // Appends the bytes of a tile, and makes the folder if it is missing. REQUIRES: called once for each tile. Error io.
   Status append(TileId tile, std::span<const std::byte> bytes);
-  // Whether append() was called for the tile, in whichever process: not for one that stands behind damage. Error io.
+  // Returns whether append() was called for the tile, in this or another process. A record that stands behind damage is
+  // not found. Error io.
   Result<bool> has(TileId tile);
-  // Nothing when has() says no. Error io, corrupt.
+  // Returns the bytes of a tile, or nothing when has() is false. Errors io, corrupt.
   Result<std::optional<BigVector<std::byte>>> read(TileId tile);
-  // What append() was given is on the disk. Error io.
+  // Returns when all that append() was given is on the disk. Error io.
   Status sync();
-  // Removes what all nodes have written. Error io.
+  // Removes the files of all nodes. Error io.
   Status clear();
 
  private:
@@ -40,7 +42,7 @@ class SettledFiles {
   };
   struct Index {
     std::unordered_map<TileId, Place> places;
-    std::uint64_t bytes = 0;  // of the files as they were read
+    std::uint64_t bytes = 0;  // size of all files when they were read
   };
   Result<std::optional<Place>> find(TileId tile);
   Result<Index> read_index() const;
@@ -50,7 +52,7 @@ class SettledFiles {
   std::uint64_t seal_;
   std::mutex mutex_;
   bool appended_ = false;  // by this object
-  // Made when it is asked for, and again when a tile is missing and the files have grown.
+  // Made when it is first needed, and again when a tile is missing and the files have grown.
   std::optional<Index> index_;
 };
 

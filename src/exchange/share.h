@@ -1,4 +1,4 @@
-// A node's part of a job: what it is told, and what its tiles need to work.
+// A node's share of a job: what the node is told, and what its tiles need to work.
 #pragma once
 
 #include <cstdint>
@@ -19,25 +19,26 @@
 
 namespace tessera {
 
-// What a job may use of a node, and how it ends early.
+// What a job may use of a node, and how the job ends early.
 struct ShareOptions {
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
   bool resumable = true;       // leave images when the job is interrupted
-  std::uint32_t grace_s = 0;   // seconds that tiles go on without a coordinator, for another to take over
-  std::string lock_file = {};  // of the result folder: once it is another's, nothing is written any more (check_held())
+  std::uint32_t grace_s = 0;   // seconds for which tiles go on without a coordinator, until another one takes over
+  std::string lock_file = {};  // of the result folder: nothing is written once another process has it (check_held())
 
   friend bool operator==(const ShareOptions&, const ShareOptions&) = default;
 };
 
-// Everything a node must be told of a job. Nothing in it refers to memory: it can cross a wire (proto/job.proto).
+// Everything that a node must be told of a job. It contains no pointers, so it can be sent to another process
+// (proto/job.proto).
 struct ShareSpec : ShareOptions {
   std::string run_folder, out_folder;
-  std::string stages;    // of which kind, for a job over a result; empty: of a cloud
-  std::string programs;  // what the programs of the stages must know: bytes that only they understand
-  RoutingTable table;    // as it is when the part is opened
-  // Of a cluster's nodes, which are of any size: each gives one of so many equal shares of its threads and memory. 0:
-  // one node has the job, and threads and memory are as given.
+  std::string stages;    // which kind of stages, for a job over a result; empty: a job over a cloud
+  std::string programs;  // what the programs of the stages must know, as bytes that only they understand
+  RoutingTable table;    // as it is when the share is opened
+  // In a cluster, whose nodes differ in size: each node gives the job one of so many equal shares of its threads and
+  // memory. 0: the job runs on one node, and `threads` and `memory_bytes` are as given.
   std::uint32_t shares = 0;
 
   friend bool operator==(const ShareSpec&, const ShareSpec&) = default;
@@ -45,37 +46,40 @@ struct ShareSpec : ShareOptions {
 std::string to_bytes(const ShareSpec& spec);
 Result<ShareSpec> spec_from_bytes(const std::string& bytes);
 
-// What a part needs in one of the job's stages.
+// What a share needs in one stage of the job.
 struct ShareStage {
   TileContext context;
   ScheduleOptions schedule;
-  // Set where there are other nodes: what settled tiles have left is where those will find it. Called before the part
-  // says that its tiles are settled.
+  // Makes what settled tiles have left visible to other nodes. Called before the share says that its tiles are settled.
+  // Empty when there are no other nodes.
   std::function<Status()> sync_settled;
 };
 
-// What a part is made of. Owned by the part's actor, which outlives its tiles. What there is for each tile of the whole
-// run, its plan has in memory, too, or all parts of a process share: a part may have few of very many tiles.
+// What a share consists of. The share's actor owns it, and outlives the share's tiles. Arrays with an entry for every
+// tile of the run exist once in a process and are shared, because a share may have few of very many tiles.
 struct Share {
   virtual ~Share() = default;
-  std::vector<ShareStage> stages;  // of the job, in order; tiles run the program of one after the other
-  std::shared_ptr<const RoutingTable> table = std::make_shared<const RoutingTable>();  // that the part was opened with
-  std::shared_ptr<const std::vector<std::uint64_t>> weights;  // by tile, of the whole run; 0: there is none
-  // Of the stage that the table has: tiles here that have come to its end in an earlier process; and whether all was
-  // quiet once, and each other tile has left what its end is made from.
+  std::vector<ShareStage> stages;  // of the job, in order; tiles run the program of one stage after the other
+  std::shared_ptr<const RoutingTable> table =
+      std::make_shared<const RoutingTable>();                 // with which the share was opened
+  std::shared_ptr<const std::vector<std::uint64_t>> weights;  // by tile, of the whole run; 0: there is no such tile
+  // Both of the stage that the table names. `stored` has the tiles of this node that came to the end of the stage in an
+  // earlier process. `settled` says whether all was quiet before, and each other tile has left what its end is made
+  // from.
   std::vector<TileReceipt> stored;
   bool settled = false;
   OutboxOptions outboxes;
-  std::filesystem::path scratch;  // of this part alone; none: what waits for other nodes is held in memory
+  std::filesystem::path scratch;  // folder of this share alone; empty: what waits for other nodes is held in memory
   HeapTrim heap_trim;
-  std::unique_ptr<MailCounts> mail;  // none: nobody counts
-  std::stop_source stopping;  // of all work that leaves nothing behind when it is stopped; the stages have its token
+  std::unique_ptr<MailCounts> mail;  // null: nothing is counted
+  std::stop_source stopping;  // stops all work that leaves nothing behind when it is stopped; the stages have its token
 };
 
-// How a node comes by its parts: from a run folder in production, from memory in the harness.
+// Opens shares: from a run folder in production, from memory in the harness.
 class ShareSource {
  public:
   virtual ~ShareSource() = default;
+  // Opens the share of the node `self`.
   virtual Result<std::unique_ptr<Share>> open(const ShareSpec& spec, NodeId self) = 0;
 };
 

@@ -48,7 +48,7 @@ Result<Term> claim_term(const std::filesystem::path& run) {
   BOOST_OUTCOME_TRY(highest, highest_term(run));
   while (++highest.value != 0) {
     const auto folder = terms_folder(run) / to_string(highest);
-    if (::mkdir(folder.c_str(), 0777) == 0) return highest;  // what was there before is another's
+    if (::mkdir(folder.c_str(), 0777) == 0) return highest;  // a folder that was there before is another claim
     if (errno != EEXIST) return io_error(folder, "cannot be made", errno);
   }
   return error(Errc::io, terms_folder(run).string() + ": holds the last term that there is");
@@ -64,7 +64,7 @@ Status forget_terms(const std::filesystem::path& run, Term below) {
 }
 
 bool is_replaced(const std::filesystem::path& run, Term term) {
-  const auto highest = highest_term(run);  // what cannot be told now is asked again
+  const auto highest = highest_term(run);  // an error counts as no: the caller asks again later
   return highest && highest.value() > term;
 }
 

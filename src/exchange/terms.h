@@ -1,5 +1,5 @@
-// Coordinators of one run, one after the other: each claims the next term, and the highest is obeyed. Also when one
-// that was believed dead goes on.
+// Terms of the coordinators of one run. Each coordinator claims the next term, and the highest term is obeyed, even
+// when a coordinator that was believed dead goes on.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace tessera {
 
-// Of all who claim, on whatever machine, each gets another one: 1, 2, ... Error io.
+// Claims the next term: 1, 2, ... No two callers, on whatever machine, get the same term. Error io.
 Result<Term> claim_term(const std::filesystem::path& run);
-// Removes what says of terms below this one that they were claimed. What cannot be removed stays.
-// Error io when they cannot be listed.
+// Removes the records of claimed terms below `below`. A record that cannot be removed stays. Error io when the records
+// cannot be listed.
 Status forget_terms(const std::filesystem::path& run, Term below);
-// Whether somebody has claimed a higher one.
+// Returns whether a higher term was claimed. Returns false when that cannot be found out now.
 bool is_replaced(const std::filesystem::path& run, Term term);
 
-// Tells a routed run from any other one, at this place or elsewhere, whichever process asks. Error io.
+// Returns an id of a routed run that is the same for every process and differs from those of all other runs, in this
+// folder or elsewhere. Error io.
 Result<JobId> identity_of(const std::filesystem::path& run);
 
 }  // namespace tessera

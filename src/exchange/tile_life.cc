@@ -45,12 +45,13 @@ Status TileLife::begin_somehow() {
     }
   }
   phase_ = Phase::awake;
-  // What it has heard by then, and what its neighbours tell it first, it processes together.
+  // Asks for a step. What the tile has heard by then, and what its neighbours tell it first, is processed in it
+  // together.
   call_ = program_->due();
   return success();
 }
 
-// False when there is none, or none that is sound.
+// Returns false when there is no image, or no sound one.
 Result<bool> TileLife::restore(ImageOf whose) {
   auto pieces = context_.storage->read(self_.tile, ScratchKind::state);
   if (!pieces || pieces.value().size() != 1) return false;
@@ -60,8 +61,8 @@ Result<bool> TileLife::restore(ImageOf whose) {
   return loaded;
 }
 
-// Whose it was, and how old it is, does not matter: an image is a right beginning whatever the others have done since.
-// If it cannot be read, what the stage before has left is one, too.
+// Which incarnation left the image, and how old it is, does not matter: an image is a right beginning whatever the
+// other tiles have done since. If it cannot be read, what the stage before has left is a right beginning, too.
 Result<bool> TileLife::restore_handed() {
   auto pieces = context_.storage->handed(self_.tile);
   if (!pieces || pieces.value().size() != 1) return false;
@@ -146,7 +147,7 @@ Status TileLife::sleep() {
     imaged_ = true;
   }
   program_->free();
-  counters_.trim();  // there are many tiles asleep
+  counters_.trim();  // many tiles are asleep
   phase_ = Phase::asleep;
   return success();
 }
@@ -163,7 +164,7 @@ Status TileLife::wake() {
   return success();
 }
 
-// docs/cluster.md, "Draining".
+// docs/cluster-design.md, "Draining".
 Status TileLife::hand_over() {
   check(phase_ == Phase::awake || phase_ == Phase::asleep, "only a tile that has begun is handed over");
   const Status written = write_handed();
@@ -193,7 +194,8 @@ Status TileLife::settle() {
     BOOST_OUTCOME_TRYV(wake());
   } else {
     if (phase_ != Phase::awake || imaged_) return success();
-    // An image from before tells less. Were what is written now lost, whoever looks for it would take that for all.
+    // An earlier image says less than what is written now. If that were lost, a reader that finds the image would take
+    // it for all.
     BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, ScratchKind::state));
   }
   return context_.storage->write(self_.tile, ScratchKind::settled, program_->settled());
@@ -201,7 +203,7 @@ Status TileLife::settle() {
 
 Status TileLife::begin_settled() {
   BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::settled));
-  if (pieces.empty() && !context_.many_nodes) {  // it slept when all was quiet
+  if (pieces.empty() && !context_.many_nodes) {  // the tile was asleep when all was quiet
     BOOST_OUTCOME_TRY(restored, restore(ImageOf::settled));
     if (!restored) return damaged(self_.tile, "image");
   } else {
@@ -209,7 +211,7 @@ Status TileLife::begin_settled() {
     read_back_ = false;
     BOOST_OUTCOME_TRYV(program_->begin_settled(std::move(pieces[0])));
   }
-  program_->messages();  // everybody knows
+  program_->messages();  // all other tiles know them already
   phase_ = Phase::awake;
   return success();
 }

@@ -1,8 +1,9 @@
-// What the tiles of a stage do: one object a tile. The exchange (src/exchange/tile_life.h) carries messages, puts tiles
-// to sleep, moves them and begins them again after a loss; what a message says, only the program knows.
+// A program is what the tiles of a stage compute: one object a tile. The exchange (src/exchange/tile_life.h) carries
+// messages, puts tiles to sleep, moves them, and begins them again after a loss. Only the program knows what a message
+// means.
 //
-// One thread at a time calls a program, in the order that TileLife keeps. What stands on scratch beside the image
-// the program reads and writes by itself.
+// At most one thread at a time calls a program, in the order that TileLife keeps. The program itself reads and writes
+// what it keeps on scratch beside the image.
 #pragma once
 
 #include <cstddef>
@@ -24,14 +25,15 @@ namespace tessera {
 using Message = BigVector<std::byte>;
 using Image = BigVector<std::byte>;
 
-// Whose image a program is loaded from.
+// From which life of the tile an image comes.
 enum class ImageOf : std::uint8_t {
-  sleeper,  // this object's own: it fell asleep
-  earlier,  // another life's, in an earlier process or on another node: what it has told may be lost, and is told again
-  settled   // another life's, which was quiet: finish() follows
+  sleeper,  // from this object, which fell asleep
+  earlier,  // from another life, in an earlier process or on another node: what it told may be lost, and is told again
+  settled   // from another life, when all was quiet: finish() follows
 };
 
-// What is to be known of a tile that has come to the end of its stage: bytes that only the stage's owner understands.
+// What is to be known of a tile that has come to the end of its stage, as bytes that only the stage's owner
+// understands.
 using Receipt = BigVector<std::byte>;
 inline constexpr std::size_t receipt_bytes_max = 1'000;
 struct TileReceipt {
@@ -44,57 +46,61 @@ class Finished {
  public:
   virtual ~Finished() = default;
   virtual std::uint64_t bytes() const = 0;  // in memory
-  // Keeps it where whoever comes after the stage finds it, and then tells `done`, from any thread. May return before.
-  // `done` does not throw, and is told whatever happens, unless this throws. Once.
+  // Keeps the tile where the code after the stage finds it, and then calls `done` with the receipt, from any thread.
+  // May return before that. `done` does not throw. `done` is called exactly once, also after an error, unless store()
+  // itself throws.
   using Stored = std::function<void(Result<Receipt>)>;
   virtual void store(Stored done) = 0;
 };
 
-// Calls that change a program may throw Stopped, when the job is stopped, and Unsound, when what was read from scratch
-// cannot be worked with. The program can then only be destroyed, or begin again.
+// The program of one tile in one stage. Calls that change it may throw Stopped, when the job is stopped, and Unsound,
+// when what was read from scratch cannot be worked with. After that the program may only be destroyed, or begin again.
 class TileProgram {
  public:
   virtual ~TileProgram() = default;
 
-  // From what the stage before has left alone.
+  // Begins from what the stage before has left, and nothing else.
   virtual Status begin() = 0;
-  // Likewise, and from what settled() gave when all was quiet: finish() follows.
+  // Begins from that and from what settled() returned when all was quiet. finish() follows.
   virtual Status begin_settled(Message settled) = 0;
-  // A message of another tile, or of an earlier life of this one. `current`: its sender went by the table by which this
-  // tile goes. Error internal when no program of the stage can have sent it.
+  // Takes a message of another tile, or of an earlier life of this tile. `current` says whether the sender went by the
+  // same routing table as this tile. Error internal when no program of the stage can have sent the message.
   virtual Status take(TileId from, bool current, Message message) = 0;
-  // Works on all that was taken.
+  // Works on all messages that were taken.
   virtual Status step() = 0;
-  // Whether step() has something to do though nothing was taken.
+  // Returns whether step() has something to do even without new messages.
   virtual bool due() const = 0;
-  // What others must hear, none longer than message_bytes_max, by tile; forgets it.
+  // Returns the messages for other tiles, with the tile for each, and forgets them. None is longer than
+  // message_bytes_max.
   virtual std::vector<std::pair<TileId, Message>> messages() = 0;
-  // These tiles (ascending) were reborn and know nothing. What they may not have heard, and others by way of them,
-  // becomes messages again: no machine can do this for a program.
+  // These tiles (ascending) were reborn and know nothing. The program makes messages of all that they, and others by
+  // way of them, may not have heard. The exchange cannot do this, because only the program knows what it has told them.
   virtual void replay_to(std::span<const TileId> reborn) = 0;
 
-  // Puts on scratch what is in memory beside the image.
+  // Writes to scratch what the program holds in memory beside the image.
   virtual Status put_aside() = 0;
-  // The whole state as bytes. REQUIRES: put_aside(), messages().
+  // Returns the whole state as bytes. REQUIRES: put_aside() and messages() were called.
   virtual Image save() = 0;
-  // False when these are not bytes that save() has made for this tile, or do not fit what stands beside them.
+  // Restores the state from an image. Returns false when save() has not made these bytes for this tile, or when they do
+  // not fit what stands on scratch beside them.
   virtual Result<bool> load(Image image, ImageOf whose) = 0;
-  // An image with what was put aside, for another node; and the way back: as load() of an earlier one.
+  // pack() returns an image for another node, which includes what was put aside. load_packed() restores the state from
+  // it, as load() does from an `earlier` one.
   virtual Result<Image> pack(Image image) = 0;
   virtual Result<bool> load_packed(Image packed) = 0;
-  // Frees what an image tells again, and all after the end.
+  // Frees all memory that an image can restore, or that is not needed after the end of the stage.
   virtual void free() = 0;
 
-  // After quiescence: enough to begin the stage's end alone.
+  // After quiescence: returns enough to come to the end of the stage without other tiles.
   virtual Message settled() const = 0;
-  // After quiescence, once.
+  // After quiescence: ends the stage. Called once.
   virtual Result<std::unique_ptr<Finished>> finish() = 0;
 
   virtual std::size_t memory() const = 0;
-  virtual const ExchangeCounts& counts() const = 0;  // also after free()
+  virtual const ExchangeCounts& counts() const = 0;  // still right after free()
 };
 
-// Makes the programs of a stage. Outlives them.
+// Makes the programs of a stage. Outlives the programs.
 class TilePrograms {
  public:
   virtual ~TilePrograms() = default;

@@ -18,7 +18,7 @@ Error damaged(TileId tile, const char* what) {
 Result<bool> can_be_built_alone(TileStorage& storage, TileId tile, bool many_nodes) {
   BOOST_OUTCOME_TRY(settled, storage.has(tile, ScratchKind::settled));
   if (settled || many_nodes) return settled;
-  return storage.has(tile, ScratchKind::state);  // it slept when all was quiet
+  return storage.has(tile, ScratchKind::state);  // the tile was asleep when all was quiet
 }
 
 }  // namespace tessera

@@ -13,27 +13,28 @@
 
 namespace tessera {
 
-// What a tile puts on scratch outlives the process, but for mail: a resumed run begins from it.
-// Calls for different tiles may come from different threads at once; those for one tile come one after the other.
+// What a tile writes to scratch, except its mail, outlives the process: a resumed run begins from it.
+// Thread-safety: calls for different tiles may run at once; calls for one tile must come one after the other.
 class TileStorage {
  public:
   virtual ~TileStorage() = default;
   using Pieces = std::vector<BigVector<std::byte>>;
-  // Replaces what was there: whatever happens, afterwards the old or the new bytes are there, or damage that read()
-  // notices.
+  // Replaces what was there. Afterwards either the old or the new bytes are there, or damage that read() notices.
   virtual Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) = 0;
   virtual Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) = 0;
-  // What was written and appended, a piece a call; none if nothing was. Error corrupt when it is damaged.
+  // Returns what was written and appended, one piece for each call, or no piece when there was no call. Error corrupt
+  // when something is damaged.
   virtual Result<Pieces> read(TileId tile, ScratchKind what) = 0;
-  // Whether there is anything to read, sound or not.
+  // Returns whether there is anything to read, sound or damaged.
   virtual Result<bool> has(TileId tile, ScratchKind what) = 0;
   virtual Status remove(TileId tile, ScratchKind what) = 0;
-  virtual Status clear(ScratchKind what) = 0;  // of all tiles
-  // Whether the system has refused scratch that is one node's own: another node can do what this one cannot.
+  virtual Status clear(ScratchKind what) = 0;  // for all tiles
+  // Returns whether the system has refused access to the node's own scratch. Another node could then do what this one
+  // cannot.
   virtual bool own_scratch_failed() const { return false; }
 
-  // For whichever node begins the tile next, where nodes share a folder: as write(), read() and remove(), but that all
-  // of them read what one has written.
+  // Like write(), read() and remove(), for the image that a tile leaves for the node on which it goes on. All nodes
+  // that share a folder read what one of them has written.
   virtual Status hand_over(TileId, std::span<const std::byte>) {
     return error(Errc::internal, "there is nobody to hand a tile over to");
   }
@@ -41,15 +42,15 @@ class TileStorage {
   virtual Status forget_handed(TileId) { return success(); }
 };
 
-// Forgets what only a tile that has not come to the end of its stage needs: its image, and what stands beside it. What
-// it has settled stays until the run folder goes.
+// Removes what only a tile before the end of its stage needs: its image, what stands beside the image, and the image
+// that was handed over. What the tile has settled stays until the run folder is removed.
 Status remove_beginnings(TileStorage& storage, TileId tile);
 
-// Error corrupt: something of a tile on scratch is not what was put there.
+// Returns an error corrupt: the tile's `what` on scratch is not what was put there.
 Error damaged(TileId tile, const char* what);
 
-// Whether a settled run has left what a tile is built from by itself. Whether it is sound, reading it will tell: once.
-// An image tells it only where one node had the whole run.
+// Returns whether a settled run has left what the tile is built from without other tiles. This does not check that it
+// is sound; reading it does. An image counts only when one node had the whole run.
 Result<bool> can_be_built_alone(TileStorage& storage, TileId tile, bool many_nodes);
 
 }  // namespace tessera

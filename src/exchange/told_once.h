@@ -1,4 +1,5 @@
-// What a part has said to its coordinator, so that it says each thing once until something makes it true anew. Pure.
+// Remembers what a share has told its coordinator, so that it says each thing once until that becomes true anew. A
+// plain object.
 #pragma once
 
 #include <array>
@@ -8,12 +9,13 @@
 
 namespace tessera {
 
-// All tiles of the part: have begun the stage; have nothing to do; have settled; have come to their end.
+// What is true of all tiles of the share: they have begun the stage; have nothing to do; have settled; have come to the
+// end.
 enum class ShareEvent : std::uint8_t { begun, idle, settled, collected };
 
 class ToldOnce {
  public:
-  // Whether it is to be said now: from then on it has been.
+  // Returns whether the event is to be told now. It counts as told from then on.
   bool first(ShareEvent word) { return !std::exchange(said_[static_cast<std::size_t>(word)], true); }
   void forget(ShareEvent word) { said_[static_cast<std::size_t>(word)] = false; }
   void forget_all() { said_ = {}; }

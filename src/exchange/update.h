@@ -1,4 +1,4 @@
-// A message from one tile to another, on its way. What it says only the tiles know.
+// A message from one tile to another, with its address. Only the tiles' programs know what the message means.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@ namespace tessera {
 
 struct Update {
   TileIncarnation from, to;
-  Epoch epoch;             // of the table by which it was sent
-  std::uint32_t hops = 0;  // of the chain of updates that caused one another and ends with this one
+  Epoch epoch;             // of the routing table by which it was sent
+  std::uint32_t hops = 0;  // length of the chain of updates, each caused by the one before, that ends with this one
   BigVector<std::byte> message;
 };
 
-// Whatever carries a message stays responsive: none is longer.
+// No message is longer, so that the actors and connections that carry messages stay responsive.
 inline constexpr std::size_t message_bytes_max = 1'000'000;
 
 inline std::string to_string(const Update& update) {

@@ -1,4 +1,4 @@
-// Updates as bytes and back, for scratch.
+// Converts updates to bytes and back, for scratch.
 #pragma once
 
 #include "src/base/flat_codec.h"
@@ -14,7 +14,7 @@ inline void put(FlatWriter& out, const Update& update) {
   out.list(update.message);
 }
 
-// False: the bytes are not an update's.
+// Returns false when the bytes are not those of an update.
 inline bool get(FlatReader& in, Update& update) {
   return in.value(update.from) && in.value(update.to) && in.value(update.epoch) && in.value(update.hops) &&
          in.list(update.message);

@@ -1,4 +1,4 @@
-// What a tile is told to do next.
+// The kinds of work for which a tile gets a permit.
 #pragma once
 
 #include <cstdint>

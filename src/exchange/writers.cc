@@ -8,7 +8,7 @@ Writers::Writers(std::uint32_t threads) {
   try {
     for (std::uint32_t t = 0; t < threads; ++t) threads_.emplace_back([this] { work(); });
   } catch (...) {
-    stop();  // those that were started wait for tasks
+    stop();  // the threads that were started wait for tasks
     throw;
   }
 }

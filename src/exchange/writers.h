@@ -1,4 +1,4 @@
-// Threads that store what tiles leave, so that others need not wait for the disk.
+// Threads that store what tiles leave, so that other threads need not wait for the disk.
 #pragma once
 
 #include <condition_variable>
@@ -11,18 +11,19 @@
 
 namespace tessera {
 
+// A pool of threads that run tasks in the order in which they came. take() may be called from any thread.
 class Writers {
  public:
   using Task = std::function<void()>;  // does not throw
 
-  // Throws what a thread that cannot be started throws; none is left then.
+  // Starts `threads` threads. Throws std::system_error when one cannot be started; then none is left.
   explicit Writers(std::uint32_t threads);
   // Waits for all tasks.
   ~Writers();
   Writers(const Writers&) = delete;
   Writers& operator=(const Writers&) = delete;
 
-  // Has it done by the next thread that is free.
+  // Has the next free thread run the task.
   void take(Task task);
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t names_max = 4096;
 
-// 0 to 2 of x, y and z.
+// Returns 0 for x, 1 for y, 2 for z. Nothing for other names.
 std::optional<std::size_t> axis_of(const std::string& name) {
   const std::size_t letter = name.size() == 1 ? std::string_view("xyzXYZ").find(name[0]) : std::string_view::npos;
   return letter == std::string_view::npos ? std::nullopt : std::optional(letter % 3);

@@ -1,4 +1,4 @@
-// What a user calls the columns of text and NumPy files, whatever their headers say: "p,y,x,z".
+// The names that a user gives to the columns of text and NumPy files, whatever the files' headers say: "p,y,x,z".
 #pragma once
 
 #include <cstddef>
@@ -10,22 +10,24 @@
 
 namespace tessera {
 
-// A column of this name is left out, as are those behind the last that is named.
+// The name of a column that is left out. Columns behind the last named column are left out, too.
 inline constexpr const char* unnamed_column = "_";
 
-// Error usage, with the end of a sentence, for names that make no points: x or y is missing, one is there twice or
-// empty, there are too many. Nothing is wrong with no names at all.
+// Checks names of columns. Error usage, with the end of a sentence, for names that make no points: x or y is missing, a
+// name is there twice or empty, or there are too many names. An empty list is valid.
 Status check_columns(std::span<const std::string> names);
 
+// What the names of columns mean.
 struct ColumnNames {
-  std::vector<std::size_t> coordinates;  // the columns x, y and perhaps z, in any case of letters
-  std::vector<std::size_t> others;       // that have a name, ascending
-  std::size_t end = 0;                   // behind the last of both
+  // the numbers of the columns x, y and perhaps z, from 0; their names may have either case
+  std::vector<std::size_t> coordinates;
+  std::vector<std::size_t> others;  // the numbers of the other named columns, ascending
+  std::size_t end = 0;              // the number behind the last column of both lists
 };
-// REQUIRES: check_columns() finds nothing wrong with the names, and there are some.
+// Returns what the names mean. REQUIRES: check_columns() accepts the names, and there are some.
 ColumnNames find_columns(std::span<const std::string> names);
 
-// "has 3 columns, and option columns names 4"; empty when so many columns are enough.
+// Returns "has 3 columns, and option columns names 4". Empty when `there` columns are enough.
 std::string too_few_columns(std::size_t there, const ColumnNames& names);
 
 }  // namespace tessera

@@ -65,7 +65,7 @@ FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::pa
   if (bytes.starts_with("\x93NUMPY")) return FileFormat::npy;
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return FileFormat::ply;
   if (bytes.starts_with("\x1f\x8b")) return FileFormat::gzip;
-  // A frame, or a frame to be skipped, as parallel compressors write first.
+  // Zstandard: a frame, or a skippable frame, which parallel compressors write first.
   if (bytes.starts_with("\x28\xb5\x2f\xfd")) return FileFormat::zstd;
   if (bytes.size() >= 4 && (bytes[0] & 0xf0) == 0x50 && bytes.substr(1, 3) == "\x2a\x4d\x18") return FileFormat::zstd;
   if (looks_like_off(bytes)) return FileFormat::off;

@@ -1,4 +1,4 @@
-// Which format bytes are in: by their begin, then by their name.
+// Finds the format of bytes: by the first bytes, then by the name.
 #pragma once
 
 #include <cstddef>
@@ -14,24 +14,25 @@ namespace tessera {
 
 enum class FileFormat : std::uint8_t { unknown, las, npy, ply, off, obj, stl, text, gzip, zstd };
 
-// So many bytes of the begin are enough.
+// The number of first bytes that is enough to tell the format.
 inline constexpr std::size_t format_bytes = 4096;
 
-// `begin`: the first bytes, up to format_bytes of them. `name`: as ByteSource::content_name(); what has no name at all
-// is text if it looks like text. `bytes`: how many there are; binary STL begins like nothing in particular, and is
-// known by its size, or without that, by less.
+// Returns the format. `begin` is the first bytes of the content, up to format_bytes. `name` is
+// ByteSource::content_name(); content without a name is text if it looks like text. `bytes` is the size of the content,
+// if known. Binary STL has no typical first bytes and is known by its size; without a size, less certain signs must do.
 FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::path& name,
                      std::optional<std::uint64_t> bytes = {});
 
-// Whether the name alone, ".gz" and ".zst" taken off, is that of a format we read.
+// Whether the path's name, without ".gz" or ".zst", is that of a format that can be read.
 bool has_point_file_name(const std::filesystem::path& path);
 
-// "a.xyz" of a.xyz.gz and a.xyz.zst; other names as they are.
+// Returns "a.xyz" for a.xyz.gz and a.xyz.zst, and other names unchanged.
 std::filesystem::path without_packing(const std::filesystem::path& path);
 
-// ".las, .laz, ...": how the names of formats we read end.
+// The endings of the formats that can be read: ".las, .laz, ...".
 std::string point_file_endings();
 
+// The error, bad_input, for a file of unknown format.
 Error unknown_format(const std::filesystem::path& path);
 
 }  // namespace tessera

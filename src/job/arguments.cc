@@ -24,7 +24,7 @@ struct Decimal {
   std::string_view suffix;
 };
 
-// digits [ "." digits ] suffix
+// Splits digits [ "." digits ] suffix.
 std::optional<Decimal> split_decimal(std::string_view text) {
   const auto digits_end = [](std::string_view s) {
     const auto end = s.find_first_not_of("0123456789");
@@ -112,7 +112,7 @@ Result<std::uint64_t> parse_memory(std::string_view text) {
   for (std::size_t i = 0; i < 6; ++i) {
     millionths = millionths * 10 + (i < decimal->fraction.size() ? decimal->fraction[i] - '0' : 0);
   }
-  // millionths < 2^20 and shift <= 40: no overflow.
+  // millionths < 2^20 and shift <= 40, so there is no overflow.
   if (__builtin_add_overflow(bytes, (millionths << shift) / 1'000'000, &bytes)) return bad("is too large");
   return bytes;
 }

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// As NumPy calls them.
+// The names of NumPy.
 const char* type_name(AttributeType type) {
   constexpr std::array names{"uint8", "int8",   "uint16", "int16",   "uint32",
                              "int32", "uint64", "int64",  "float32", "float64"};

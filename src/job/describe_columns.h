@@ -1,4 +1,4 @@
-// The columns of a result, in JSON and in words.
+// The columns of a result as JSON and as words.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,7 +9,7 @@
 namespace tessera {
 
 nlohmann::ordered_json columns_to_json(const Manifest& manifest);
-// One line, of what the former gave: "volume of cells, star_volume of vertices".
+// Returns one line, from what columns_to_json() returned: "volume of cells, star_volume of vertices".
 std::string columns_in_words(const nlohmann::ordered_json& columns);
 
 }  // namespace tessera

@@ -52,7 +52,7 @@ Json to_json(const FileInfo& file) {
           {"columns", file.columns ? to_json(*file.columns) : Json()}};
 }
 
-// The tiles that triangulate would make. The sample sees what filters drop, headers do not.
+// The tiles that `triangulate` would make. The sample is taken after the filters; counts of headers are not.
 struct Forecast {
   std::uint64_t limit = 0;
   std::uint32_t tiles = 1;
@@ -97,7 +97,7 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
     BOOST_OUTCOME_TRY(described, count_points(inputs, options, cloud, stop));
     counted = std::move(described);
   }
-  // All of them were counted, and those that filters keep: nothing is left to guess.
+  // If all points were read, they are counted, and those that the filters keep: nothing is left to guess.
   const auto of_count = [&](const char* key) { return counted.at(key).get<std::uint64_t>(); };
   const auto points = counted.is_null() ? expected_points(cloud.files()) : of_count("points");
   const auto kept = counted.is_null() ? points : points - of_count("invalid") - of_count("filtered");
@@ -131,7 +131,7 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
                  how.json);
 }
 
-// What is wrong with some of many files shall not hide the others.
+// What is wrong with some of many files must not hide the others.
 Described describe_each(const std::vector<std::string>& inputs, const JobOptions& options, const DescribeOptions& how,
                         const Error& all) {
   Spool spool("", {});

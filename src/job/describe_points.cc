@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// How much of a box holds points: a raster of at most a million pixels, some ten points each.
+// Measures how much of a box holds points, on a raster of at most a million pixels with some ten points each.
 class Area {
  public:
   Area(const Bounds& box, std::uint64_t points) {
@@ -27,7 +27,7 @@ class Area {
     lo_ = box.lo;
     columns_ = static_cast<std::size_t>(dx / side_) + 1;
     rows_ = static_cast<std::size_t>(dy / side_) + 1;
-    if (columns_ > 4'000'000 / rows_) return;  // a line of points
+    if (columns_ > 4'000'000 / rows_) return;  // the points lie on a line
     held_.resize(columns_ * rows_);
   }
 

@@ -1,4 +1,4 @@
-// What `tessera info --stats` tells of a cloud, after reading all its points: classes, returns, flags, box, density.
+// What `tessera info --stats` says of a cloud after reading all its points: classes, returns, flags, box, density.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,10 +10,10 @@
 
 namespace tessera {
 
-// The attributes to open a cloud with, so that they are counted: of those that its files have.
+// Returns the attributes that the cloud must be opened with so that they are counted; those that its files have.
 std::vector<std::string> described_attributes(const Cloud& cloud);
 
-// Reads the whole cloud, with its filters. Errors: those of reading.
+// Reads the whole cloud through its filters. Errors: of reading.
 Result<nlohmann::ordered_json> describe_points(const Cloud& cloud);
 
 }  // namespace tessera

@@ -47,7 +47,7 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"heights", heights ? Json{{"min", heights->lo}, {"max", heights->hi}} : Json()},
               {"partition", manifest.partition_kind},
               {"points", manifest.points_read},
-              // Nobody has counted those of a region: what it does not need was not read.
+              // A region does not count these: what it does not need was not read.
               {"invalid", part ? Json() : Json(manifest.invalid)},
               {"filtered", part ? Json() : Json(manifest.filtered)},
               {"duplicates", part ? Json() : Json(manifest.duplicates)},

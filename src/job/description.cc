@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of tiles that are kept as points.
+// Says how many tiles are kept as points.
 std::string kept_text(std::uint64_t of_points, std::size_t tiles) {
   if (of_points == 0) return "";
   return of_points == tiles ? ", kept as points" : ", " + grouped(of_points) + " of them kept as points";
@@ -98,7 +98,7 @@ std::string box_text_or(const Json& bounds, const char* otherwise) {
   return bounds.is_null() ? otherwise : box_text(bounds, 3);
 }
 
-// Of a part of a triangulation: the box that its cells meet.
+// Returns the box of a region.
 std::string region_text(const Json& region, std::size_t dimension) {
   std::string text;
   for (std::size_t axis = 0; axis < dimension; ++axis) {
@@ -117,7 +117,7 @@ std::string joined(const Json& names) {
   return text.empty() ? "none" : text;
 }
 
-// "x is column 3, y 2, z 4, by the header"
+// Returns "x is column 3, y 2, z 4, by the header".
 std::string columns_text(const Json& columns) {
   std::string text;
   for (const auto& [name, number] : columns.items()) {
@@ -181,7 +181,7 @@ std::string statistics_text(const Json& counted) {
 std::string inputs_text(const Json& described) {
   std::string text;
   for (const auto& file : described.at("files")) text += file_text(file);
-  if (!described.contains("estimate")) return text;  // of files that do not go together
+  if (!described.contains("estimate")) return text;  // these files cannot be triangulated together
   if (!described.at("statistics").is_null()) text += statistics_text(described.at("statistics"));
   const auto threads = count_of(described, "threads");
   text += "Triangulated in " + std::to_string(count_of(described, "dimension")) + "D on " + std::to_string(threads) +
@@ -207,7 +207,7 @@ std::string inputs_text(const Json& described) {
   return text;
 }
 
-// Figures carry their unit at the end of their name.
+// The name of a figure ends with its unit.
 std::string figure(const std::string& name, double value) {
   if (name.ends_with("_s")) return human_seconds(value);
   const bool count = value >= 0 && value < 1e18;
@@ -215,8 +215,7 @@ std::string figure(const std::string& name, double value) {
   return count && value == std::floor(value) ? grouped(static_cast<std::uint64_t>(value)) : coordinate(value);
 }
 
-// By the box in x and y: of a terrain what its points a square metre are, where its coordinates are metres.
-// Below 1 with three digits that say something, whatever the locale.
+// Returns a number below 1 with three significant digits, in every locale.
 std::string small_number(double value) {
   char text[32];
   const auto end = std::to_chars(std::begin(text), std::end(text), value, std::chars_format::general, 3);
@@ -234,7 +233,7 @@ std::string density_text(const Json& result) {
          " vertices a square unit of the box";
 }
 
-// What it took, in the words of the summary.
+// Adds times and memory of the job, in the words of the summary.
 void add_work(Lines& lines, const Json& result) {
   std::string phases;
   double all = 0;
@@ -251,7 +250,7 @@ void add_work(Lines& lines, const Json& result) {
     lines.add("memory", figure("peak_memory_bytes", figures.at("peak_memory_bytes").get<double>()) + " at most");
 }
 
-// A daemon of an older release does not tell heights.
+// A daemon of an older release does not tell the number of other heights.
 std::string duplicates_text_of(const Json& result) {
   const auto others = result.find("duplicates_at_other_heights");
   const auto keep = kept_point_of(result.value("keep", std::string(name_of(DuplicatePolicy::first))));
@@ -272,7 +271,7 @@ std::string result_text(const Json& result, bool counters) {
   Lines lines(20);
   lines.add("made by", "Tessera " + text_of(result, "software_version") + " from " + grouped(inputs.size()) +
                            (inputs.size() == 1 ? " file" : " files"));
-  // Of a region what was not needed was not read, so that nobody knows how many of them count.
+  // A region has not read what it did not need, so invalid and filtered points are not counted.
   const auto region = result.find("region");
   const bool part = region != result.end() && !region->is_null();
   lines.add("points", grouped(count_of(result, "points")) +
@@ -294,7 +293,7 @@ std::string result_text(const Json& result, bool counters) {
   lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));
   if (!result.at("digest").is_null()) lines.add("digest", text_of(result, "digest"));
   lines.add("attributes", joined(result.at("attributes")));
-  // Of an older daemon there are none.
+  // An older daemon does not send columns.
   if (const auto columns = result.find("columns"); columns != result.end() && !columns->empty())
     lines.add("columns", columns_in_words(*columns) + " (version " + grouped(count_of(result, "version")) + ")");
   if (!text_of(result, "crs").empty()) lines.add("CRS", text_of(result, "crs_name"));
@@ -310,7 +309,7 @@ std::string result_text(const Json& result, bool counters) {
 std::optional<std::string> description_text(const Json& described, bool counters) {
   try {
     return described.contains("result") ? result_text(described, counters) : inputs_text(described);
-  } catch (const std::exception&) {  // of JSON, or of a class that is no number
+  } catch (const std::exception&) {  // of JSON, or for a class that is no number
     return std::nullopt;
   }
 }

@@ -1,4 +1,4 @@
-// How a description is written: as one object, or as text for people made from it.
+// Writes a description as one object, or as text for people that is made from the object.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,8 +6,8 @@
 
 namespace tessera {
 
-// With a line end. `counters`: of a result also what only whoever works on Tessera wants to know. REQUIRES: `described`
-// is one of those of describe().
+// Returns the description, with a line end. `counters`: the text of a result also has figures that only developers of
+// Tessera need. REQUIRES: `described` comes from describe().
 std::string written(const nlohmann::ordered_json& described, bool json, bool counters = false);
 
 }  // namespace tessera

@@ -23,7 +23,7 @@ std::uint64_t EngineSteps::bytes_of_one() const {
   constexpr unsigned few_threads = 2;
   const bool cluster = !engine_.shares().empty();
   if (cluster || std::min(engine_.threads(), options_.threads) > few_threads) return 0;
-  return options_.memory_bytes / 2;  // beside it are a tile, and mail
+  return options_.memory_bytes / 2;  // the rest is for a tile and mail
 }
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// Jobs over results, run by an engine.
+// Runs jobs over results on an engine.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,13 @@
 
 namespace tessera {
 
-// All kinds that there are: what every engine is given that runs such jobs, or is a node of those that do.
+// Returns all kinds of such jobs. Every engine that runs these jobs, or is a node of them, is given this map.
 KindsOfStages kinds_of_stages();
 
+// Runs the steps of a surface on an engine, in one process or on a cluster.
 class EngineSteps final : public surface::StepsRunner {
  public:
-  // `engine` and `progress` outlive it. `options`: without a lock file.
+  // `engine` and `progress` outlive this object. `options`: without a lock file.
   EngineSteps(Engine& engine, ShareOptions options, Progress& progress)
       : engine_(engine), options_(std::move(options)), progress_(progress) {}
   Status run(const std::filesystem::path& result, const std::filesystem::path& run,

@@ -1,4 +1,4 @@
-// What a job will cost: pure functions of the cloud's size and the machine.
+// What a job will take: pure functions of the cloud's size and the machine.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace tessera {
 
-// The number of points of a cloud as its headers tell it; where they do not, as the size of the file suggests.
+// Returns the number of points of a cloud, from the headers of its files, or from the file's size where a header has
+// none.
 std::uint64_t expected_points(const std::vector<FileInfo>& files);
 
 struct Machine {
@@ -20,13 +21,13 @@ struct Machine {
 
 struct Estimate {
   std::uint64_t cells = 0;
-  std::uint64_t memory_bytes = 0;     // resident, at most the budget
+  std::uint64_t memory_bytes = 0;     // resident, at most Machine::memory_bytes
   budget::Phases phases;              // the same by phase
   std::uint64_t result_bytes = 0;     // of the result folder
-  std::uint64_t temporary_bytes = 0;  // of the run folder, gone at the end
+  std::uint64_t temporary_bytes = 0;  // of the run folder, removed at the end
   double seconds = 0;
 };
-// `kind`: of the tiles of the result.
+// `kind`: of the tiles of the result. `tile_limit`: points that a tile has at most.
 Estimate estimate(int dimension, KernelKind kernel, TileKind kind, std::uint64_t points, std::uint64_t tile_limit,
                   bool neighbors, std::uint64_t attribute_row_bytes, const Machine& machine);
 

@@ -23,7 +23,7 @@
 namespace tessera {
 namespace {
 
-// What differs between the input files of then and now; empty when nothing does.
+// Returns what differs between the input files of then and now; empty when nothing does.
 template <class Inputs>
 std::string difference(const Inputs& inputs, const Cloud& cloud) {
   if (inputs.size() != cloud.files().size()) return "other input files";
@@ -37,7 +37,7 @@ std::string difference(const Inputs& inputs, const Cloud& cloud) {
   return {};
 }
 
-// A resumed run must be the same job on the same files, or its tiles would not fit together.
+// A resumed run must be the same job on the same files; else its tiles would not fit together.
 Status check_same_job(const RoutedCloud& run, const Cloud& cloud, const std::string& key, const ResultFolder& folder) {
   const auto refuse = [&](const std::string& reason) {
     return error(Errc::usage, folder.path().string() + ": cannot be resumed: " + reason);
@@ -48,7 +48,7 @@ Status check_same_job(const RoutedCloud& run, const Cloud& cloud, const std::str
   return success();
 }
 
-// What is finished must be what was asked for, as far as its manifest tells.
+// A finished result must be what was asked for, as far as its manifest tells.
 Status check_finished(const Cloud& cloud, const ResultFolder& folder) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(folder.path()));
   const auto reason = difference(manifest.inputs, cloud);
@@ -57,7 +57,7 @@ Status check_finished(const Cloud& cloud, const ResultFolder& folder) {
                                 ": there is nothing to resume; " + option("overwrite", "true") + " replaces it");
 }
 
-// The routed points: those of the run that is resumed, or of a new one.
+// Returns the routed points: those of the run that is resumed, or of a new run.
 Result<RoutedCloud> routed_run(const Engine& engine, const JobOptions& options, const Cloud& cloud,
                                ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
   const auto key = options_key(options);
@@ -80,7 +80,7 @@ Result<RoutedCloud> routed_run(const Engine& engine, const JobOptions& options, 
   return std::move(routed);
 }
 
-// By name, in order.
+// Returns the seconds by name of phase, in order.
 std::vector<std::pair<std::string, double>> seconds_of_phases(double routing_s, const StepSeconds& tiles,
                                                               double finishing_s) {
   std::map<Phase, double> seconds{{Phase::routing, routing_s}, {Phase::finishing, finishing_s}};
@@ -92,7 +92,7 @@ std::vector<std::pair<std::string, double>> seconds_of_phases(double routing_s, 
   return named;
 }
 
-// Threads are numbered as they first work for any job of this process.
+// Numbers threads from 0. Their numbers in `spans` count all threads that have worked for any job of this process.
 std::vector<PhaseSpan> with_threads_from_0(std::vector<PhaseSpan> spans) {
   std::map<std::uint32_t, std::uint32_t> numbers;
   for (const PhaseSpan& span : spans) numbers[span.thread] = 0;
@@ -110,7 +110,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   BOOST_OUTCOME_TRY(run, routed_run(engine, options, cloud, folder, progress, stop));
   auto warnings = cloud.warnings();
   progress.map.begin(layout_of(run.partition, run.bounds), run.tile_points);
-  cloud = {};  // with what was unpacked for it: tiles need that disk
+  cloud = {};  // also removes what was unpacked for it: tiles need that disk space
   const double routed_s = elapsed_s();
   if (options.log) {
     options.log("routed " + grouped(run.counts.read) + " points into " + std::to_string(run.partition.tiles()) +
@@ -121,14 +121,14 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   const double ran_s = elapsed_s();
 
   progress.phase = Phase::finishing;
-  malloc_trim(0);  // what the tiles have left behind, before the manifest of many of them is made
+  malloc_trim(0);  // frees what the tiles have left behind, before a large manifest is made
   auto manifest = manifest_of(options, run, tiles);
   auto summary = summary_of(options, folder.path(), manifest, tiles);
   summary.warnings = std::move(warnings);
   DuplicateSort duplicates(folder.run(), options.memory_bytes / 4);
   BOOST_OUTCOME_TRY(other_heights, gather_duplicates(run, tiles.tiles, duplicates));
   if (height_offset(run.dimension, run.schema)) manifest.other_heights = other_heights;
-  // A result that has its manifest is complete: all that people read comes before.
+  // A result is complete once it has its manifest, so the report is written before.
   const auto report = [&]() -> Status {
     add_duplicates(summary, manifest);
     summary.digest = manifest.digest ? digest_text(*manifest.digest) : "";
@@ -150,7 +150,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   return summary;
 }
 
-// In a folder that is claimed. Where the result goes there is room for what has to be unpacked.
+// Opens the cloud and claims the folder. Inputs are unpacked where the result goes, as there is room for them.
 Result<Cloud> open_in(ResultFolder& folder, JobOptions& options, const OpenCloud& open, const std::stop_token& stop) {
   std::error_code ignored;
   auto place = std::filesystem::absolute(folder.path(), ignored).lexically_normal();
@@ -174,7 +174,7 @@ Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const 
       BOOST_OUTCOME_TRYV(folder.finish());  // what is left of a run folder that was being removed
       return std::nullopt;
     }
-    // Stopped between its last two steps: the result is whole, only the run folder is left.
+    // The earlier job was stopped between its last two steps: the result is complete, and only the run folder is left.
     BOOST_OUTCOME_TRY(run, open_run(folder.run()));
     BOOST_OUTCOME_TRYV(check_same_job(run, cloud, options_key(options), folder));
     BOOST_OUTCOME_TRYV(folder.finish());
@@ -183,7 +183,7 @@ Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const 
   options.lock_file = folder.lock_file();
   auto summary = make_result(engine, options, std::move(cloud), folder, progress, stop);
   if (summary) return std::move(summary).value();
-  BOOST_OUTCOME_TRYV(folder.check_claim());  // what fails in a folder that is another's is no news
+  BOOST_OUTCOME_TRYV(folder.check_claim());  // if another process has the folder by now, that is the error to report
   return summary.error();
 }
 
@@ -202,7 +202,7 @@ Status give_tiles(Engine& engine, JobOptions options, const OpenCloud& open, con
   return success();
 }
 
-// What a job does when the system has no more memory.
+// Runs a job, and returns error memory when the system has no more memory.
 template <class Job>
 auto with_memory(const Job& job) -> decltype(job()) {
   try {

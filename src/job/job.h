@@ -1,4 +1,4 @@
-// From points to a finished result folder, in one process.
+// Runs a job from points to a finished result folder, in one process.
 #pragma once
 
 #include <functional>
@@ -17,21 +17,21 @@
 
 namespace tessera {
 
-// Opens the points of a job, and settles options.cloud.dimension when it is 0. See open_cloud().
+// Opens the points of a job, and sets options.cloud.dimension if it is 0. See open_cloud().
 using OpenCloud = std::function<Result<Cloud>(JobOptions& options, const std::stop_token& stop)>;
 
-// Makes the result, or goes on with the run that `folder` holds. Nothing when that result was complete already. After
-// an error the caller says what shall stay: folder.abandon(), or, when it is `interrupted`, folder.interrupted().
-// Several jobs may run at once on one engine, each in its own folder and with its share of threads and memory.
+// Makes the result, or continues the run in `folder`. Returns nothing when the result was complete already. After an
+// error the caller decides what stays: folder.abandon(), or folder.interrupted() if the error is `interrupted`. Several
+// jobs may run at once on one engine, each in its own folder and with its own threads and memory.
 Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
                                           ResultFolder& folder, Progress& progress, const std::stop_token& stop);
 
-// What takes the cells of tiles, made when it is known of which points: the manifest has no tiles yet.
+// Makes the consumer of the tiles' cells, once the points are known. The manifest has no tiles yet.
 using MakeTaker = std::function<Result<TileConsumer*>(const Manifest& manifest)>;
 
-// Makes no result: the cells of each tile go to what `make` makes, and `folder` holds only what waits on disk
-// meanwhile; whatever comes of it, the caller abandons the folder. REQUIRES: the engine is of no cluster. Errors: as
-// above; of the taker.
+// Makes no result: the cells of each tile go to the consumer that `make` returns. `folder` holds only temporary files;
+// the caller abandons it whether the job succeeds or fails. REQUIRES: the engine is not part of a cluster. Errors: as
+// above; of the consumer.
 Status run_tiles(Engine& engine, JobOptions options, const OpenCloud& open, const MakeTaker& make, ResultFolder& folder,
                  Progress& progress, const std::stop_token& stop);
 

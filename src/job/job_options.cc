@@ -25,7 +25,7 @@ std::string options_key(const JobOptions& options) {
   if (!options.cloud.columns.empty()) key["columns"] = options.cloud.columns;
   if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
   if (const auto& crop = options.cloud.crop) {
-    // As text: JSON has no infinity.
+    // As text, because JSON has no infinity.
     std::string text;
     for (int axis = 0; axis < 3; ++axis) {
       text += json_text(nlohmann::json(crop->lo[axis])) + " " + json_text(nlohmann::json(crop->hi[axis])) + " ";

@@ -1,4 +1,4 @@
-// What a job leaves in words and figures: the manifest, the summary, report.html.
+// What a job tells in words and figures: the manifest, the summary, report.html.
 #pragma once
 
 #include <filesystem>
@@ -14,15 +14,15 @@
 
 namespace tessera {
 
-// Without duplicates, seconds and figures, which are known later.
+// Makes the manifest without duplicates, seconds and figures, which are known later.
 Manifest manifest_of(const JobOptions& options, const RoutedCloud& run, const RunSummary& tiles);
 void add_duplicates(JobSummary& summary, const Manifest& manifest);
-// Without duplicates, seconds and peak memory.
+// Makes the summary without duplicates, seconds and peak memory.
 JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,
                       const RunSummary& tiles);
-// Of a finished result: what its manifest keeps. Without warnings and memory budget.
+// Makes the summary of a finished result from what its manifest keeps. Warnings and memory budget are missing.
 JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out);
-// What the manifest keeps of the summary, for people.
+// Adds to the manifest the figures of the summary that it keeps for people.
 void add_figures(const JobSummary& summary, Manifest& manifest);
 ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,
                      std::vector<PhaseSpan> spans);

@@ -16,7 +16,7 @@
 namespace tessera {
 namespace {
 
-// The kB value of a "Name:   123 kB" line, in bytes.
+// Returns the value of a "Name:   123 kB" line, in bytes.
 std::optional<std::uint64_t> kilobyte_line(const char* path, const std::string& name) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
@@ -35,7 +35,7 @@ std::optional<std::uint64_t> number_in(const std::filesystem::path& path) {
   return std::nullopt;  // missing, or "max"
 }
 
-// The folders of this process's control group and of those around it, the innermost first.
+// Visits the folders of this process's control group and of the groups around it, the innermost first.
 template <class Visit>
 void for_each_group(const std::string& root, const std::string& controller, Visit visit) {
   std::ifstream file("/proc/self/cgroup");

@@ -1,4 +1,4 @@
-// From options to a cloud and the size of its tiles: what a job and `tessera info` share.
+// From options to a cloud and the size of its tiles; jobs and `tessera info` share this code.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 
 namespace tessera {
 
-// Opens the inputs, as Cloud::open takes them; settles the dimension when it was left open (2 when no file holds z).
+// Opens the inputs, as Cloud::open takes them. Sets the dimension if the options leave it open (2 when no file has z).
 Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options, std::stop_token stop = {});
 
-// Points a tile may hold, as asked for or chosen. Error memory when it cannot be worked on within the memory, or on any
-// of the `nodes` of a cluster, if it is one.
+// Returns how many points a tile may have, as asked for or chosen. Error memory when such a tile cannot be worked on
+// within the memory, or on any of the `nodes` of a cluster, if there are any.
 Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud,
                                  std::span<const budget::NodeShare> nodes = {});
 

@@ -38,7 +38,8 @@ Manifest manifest_of(const RegionCloud& cloud, const RegionJobOptions& options, 
                                                 {"tiles", whole.tiles()},
                                                 {"splits", nlohmann::json::array()}});
   for (const Point& p : cells.mesh.points) manifest.bounds.add(p);
-  // The format knows boxes: of a polygon's it has not all cells, and those that it has are final.
+  // The format knows only boxes. Of a polygon's box the result does not have all cells, and those that it has are
+  // final.
   manifest.region = {options.box, cells.complete && !options.shape};
   manifest.neighbors = options.neighbors;
   manifest.keep = options.cloud.keep;
@@ -61,7 +62,7 @@ Manifest manifest_of(const RegionCloud& cloud, const RegionJobOptions& options, 
 Status store(const RegionCloud& cloud, const RegionJobOptions& options, const RegionCells& cells, ResultFolder& folder,
              const std::stop_token& stop) {
   BOOST_OUTCOME_TRYV(folder.discard_runs());
-  BOOST_OUTCOME_TRYV(make_directories(folder.new_run()));  // an old result goes as it does before a run
+  BOOST_OUTCOME_TRYV(make_directories(folder.new_run()));  // an old result is removed in the same way as before a run
   BOOST_OUTCOME_TRYV(folder.accept_new_run());
   const StoreOptions how{
       .neighbors = options.neighbors, .schema = cloud.schema, .lock_file = folder.lock_file(), .stop = stop};

@@ -1,4 +1,4 @@
-// A region of raw clouds as a result folder of its own.
+// Makes a region of a cloud that is not triangulated, as a result folder of its own.
 #pragma once
 
 #include <cstdint>
@@ -21,24 +21,24 @@ namespace tessera {
 
 struct RegionJobOptions {
   CloudOptions cloud;
-  bool scan = false;       // read all files once, instead of relying on the boxes that they state
+  bool scan = false;       // read all files once, instead of trusting the boxes that they state
   Box box;                 // closed; in 2D without bounds on z
-  RegionShape shape = {};  // of the region in the box, if it is not all of it
-  // Whether the region can be one of points that lie there; null: nobody knows more of it.
+  RegionShape shape = {};  // the region within the box, if it is not the whole box
+  // Checks whether the region can belong to points with this coordinate system and these bounds; null: no check.
   std::function<Status(const std::string& crs, const Bounds& points)> check_place = {};
   RegionLimits limits;
   bool neighbors = true;
   std::vector<std::string> command = {};  // for the manifest
 };
 
-// A cloud of files that can be asked for regions, as often as one likes.
+// A cloud of files that can be asked for any number of regions.
 struct RegionCloud {
   std::vector<Manifest::Input> inputs;
   std::vector<Attribute> schema;
   std::string crs;
   std::vector<std::string> warnings;
   int dimension = 3;
-  std::uint64_t points = 0;  // of all files, filtered ones counted
+  std::uint64_t points = 0;  // in all files, including points that filters drop
   std::unique_ptr<Regions> regions;
 };
 
@@ -51,19 +51,19 @@ struct RegionSummary {
   std::string out;
   int dimension = 3;
   std::uint64_t vertices = 0, cells = 0;
-  std::uint64_t final = 0;  // cells that are
+  std::uint64_t final = 0;  // cells that are final
   bool complete = true;
-  std::string needed;  // if not: what is, as a sentence
+  std::string needed;  // if not complete: what is needed, as a sentence
   RegionFigures figures;
   std::vector<std::string> warnings;
 };
 
 std::string region_text(const RegionSummary& summary);
-std::string region_json(const RegionSummary& summary);  // one line, without its end
+std::string region_json(const RegionSummary& summary);  // one line, without line end
 
-// Asks for options.box, and writes what is found into `folder`, which was inspected: a result folder of one tile that
-// owns all vertices, whose manifest says that it is a region. Errors: those of Regions::ask and of writing; usage when
-// no cell meets the box. What was there before stands until the new cells are known.
+// Asks for options.box, and writes the cells into `folder`, which has been inspected. The result has one tile that owns
+// all vertices, and its manifest says that it is a region. Errors: those of Regions::ask and of writing; usage when no
+// cell meets the box. An old result stays until the new cells are known.
 Result<RegionSummary> write_region(RegionCloud& cloud, const RegionJobOptions& options, ResultFolder& folder,
                                    const std::stop_token& stop);
 

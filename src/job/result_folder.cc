@@ -33,7 +33,7 @@ Result<bool> holds_only(const fs::path& folder, Ours ours) {
   return true;
 }
 
-// Other programs have folders named .run.
+// Other programs have folders named .run, too, so the content is checked.
 Result<bool> is_part_of_run(const fs::path& entry) {
   if (is_new_run_name(entry)) return true;
   if (entry.filename() != run_folder("")) return false;
@@ -70,7 +70,7 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   if (reader.error()) return refused_by_system(out, "cannot be read: " + reader.error().message());
   BOOST_OUTCOME_TRY(manifest, is_there(manifest_file(out)));
   if (manifest) {
-    // A damaged or newer manifest is nothing to build on, nor to delete: its owner decides.
+    // Tessera neither builds on a damaged or newer manifest, nor deletes it: its owner decides.
     const auto read = read_manifest(out);
     if (!read) return read.error();
     if (resume) return ResultFolder(std::move(out), FolderState::finished, true);
@@ -127,8 +127,8 @@ Status ResultFolder::discard_runs() {
   return remove_run();
 }
 
-// At any moment what is left is known to be ours: a run that lacks something has no plan, and its folder is the last to
-// go.
+// At every moment, what is left is known to be Tessera's: a run without its plan is broken, and its folder is removed
+// last.
 Status ResultFolder::remove_run() const {
   BOOST_OUTCOME_TRYV(remove_file(plan_file(run())));
   if (!old_result_stands_ && !complete_) {
@@ -139,7 +139,7 @@ Status ResultFolder::remove_run() const {
 
 Status ResultFolder::remove_result() const {
   std::error_code ec;
-  // The manifest first: without it nobody takes the rest for a result.
+  // The manifest is removed first: without it no program takes the rest for a result.
   fs::remove(manifest_file(out_), ec);
   if (ec) return refused_by_system(manifest_file(out_), "cannot be removed: " + ec.message());
   const auto remove_from = [&](const fs::path& folder, bool (*ours)(const fs::path&)) -> Status {
@@ -159,7 +159,7 @@ Status ResultFolder::remove_result() const {
   BOOST_OUTCOME_TRYV(remove_whole(versions_folder(out_)));
   BOOST_OUTCOME_TRYV(remove_from(out_, is_result_name));
   BOOST_OUTCOME_TRYV(remove_from(tiles_folder(out_), is_tile_name));
-  fs::remove(tiles_folder(out_), ec);  // stays when somebody else's files are in it
+  fs::remove(tiles_folder(out_), ec);  // stays when it has files of other programs
   return success();
 }
 
@@ -195,12 +195,12 @@ void ResultFolder::remove_unfinished() {
   if (resuming_) return;
   if (!old_result_stands_ && !remove_run()) return;
   if (!created_) return;
-  lock_.reset();              // it is in the folder
+  lock_.reset();              // the lock is in the folder
   fs::remove(out_, ignored);  // only when empty
 }
 
 bool ResultFolder::interrupted() {
-  // What nobody can tell stays.
+  // If that is unknown, the run stays.
   if (const auto run = has_run(); !run || run.value()) return true;
   abandon();
   return false;

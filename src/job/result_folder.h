@@ -1,4 +1,4 @@
-// Who may write into a result folder, and what of it is ours to delete.
+// Which job may write into a result folder, and which of its content may be deleted.
 //
 //   state      | what is there                         | triangulate may write
 //   absent     | nothing, its parent exists            | always
@@ -9,8 +9,8 @@
 //   finished   | a manifest                            | with --overwrite; --resume has nothing to write
 //   foreign    | anything else                         | never
 //
-// A run is routed into a folder of this process's own and renamed to .run when complete. An old result is removed just
-// before that: whatever is wrong with the new input, it is found while the old result still stands.
+// A run is routed into a folder of this process and renamed to .run when it is complete. An old result is removed just
+// before that. So errors of the new input are found while the old result is still there.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,11 @@ namespace tessera {
 
 enum class FolderState : std::uint8_t { absent, empty, unfinished, broken, finished };
 
+// The output folder of one job, from its inspection to its end. Not thread-safe.
 class ResultFolder {
  public:
-  // Creates nothing. Error io when `out` is not a folder or cannot be looked at; usage when its state forbids the job.
+  // Inspects the folder, and creates nothing. Error io when `out` is not a folder or cannot be inspected; usage when
+  // its state forbids the job.
   static Result<ResultFolder> inspect(std::filesystem::path out, bool resume, bool overwrite);
   ResultFolder(ResultFolder&&) noexcept = default;
   ResultFolder& operator=(ResultFolder&&) = delete;
@@ -40,29 +42,31 @@ class ResultFolder {
   std::filesystem::path run() const { return run_folder(out_); }
   std::filesystem::path new_run() const { return new_run_folder(out_); }
 
-  // Whether there is a run that is routed.
+  // Whether the folder has a run that is routed.
   Result<bool> has_run() const;
 
-  // How claim() locks; as all do by default.
+  // Sets how claim() locks the folder; the default is the one of all programs.
   void lock_with(LockOptions how) { how_to_lock_ = std::move(how); }
-  // Creates the folder if absent, tries that it can be written, and locks it until destruction. Error usage when
+  // Creates the folder if it is absent, tests that it can be written, and locks it until destruction. Error usage when
   // another process works in it.
   Status claim();
-  // Error io when another process has taken the lock meanwhile (folder_lock.h). To be asked before what others can see
-  // is replaced.
+  // Error io when another process has taken the lock meanwhile (folder_lock.h). Call this before replacing anything
+  // that other processes can see.
   Status check_claim() const { return check_held(lock_file()); }
-  // Of the claim; none before it.
+  // Returns the lock file of the claim; empty before it.
   std::filesystem::path lock_file() const { return lock_ ? lock_->file() : std::filesystem::path(); }
-  // Removes what a crashed routing left, and an unfinished run that is to be overwritten, with the tiles it has stored.
+  // Removes what a crashed routing left, and an unfinished run that is to be overwritten, with the tiles that it has
+  // stored.
   Status discard_runs();
-  // Removes the old result and makes the new run the run.
+  // Removes the old result, and renames the new run to .run.
   Status accept_new_run();
   // Removes the run folder: the result is complete, and abandon() leaves it alone.
   Status finish();
-  // Removes everything this job has made; the folder too when it was absent. Keeps an old result that still stands, and
-  // a run that this job resumed. Never fails: the error that led here is the one to tell.
+  // Removes everything that this job has made, and the folder if it was absent. Keeps an old result that is still
+  // there, and a run that this job resumed. Never fails, as the caller has an error to report already.
   void abandon() noexcept;
-  // After an interruption: true when the run can be resumed, or cannot be looked at; else as abandon().
+  // To be called after an interruption. Returns true when the run can be resumed, or cannot be inspected; else does the
+  // same as abandon() and returns false.
   bool interrupted();
 
  private:

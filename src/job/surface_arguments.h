@@ -1,4 +1,4 @@
-// What options of surfaces say as text.
+// Parses the options of surfaces.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace tessera {
 
-// Each with error usage, which says what there is.
+// All functions return error usage, with the values that are allowed.
 
-// auto, vertical, fields, scan-angle, point:X,Y,Z;X,Y,Z;..., and, if files may be read, track:FILE.
+// Parses auto, vertical, fields, scan-angle, point:X,Y,Z;X,Y,Z;..., and, if files may be read, track:FILE.
 Result<SensorOptions> parse_sensors(const std::string& text, bool files);
-// closed, open, free.
+// Parses closed, open, free.
 Result<SurfaceOptions::Bottom> parse_bottom(const std::string& text);
-// Whether "solid", else "empty".
+// Returns true for "solid", false for "empty".
 Result<bool> parse_unknown(const std::string& text);
-// A number above 0, or full: infinity.
+// Parses a number above 0, or full, which is infinity.
 Result<double> parse_ray_length(const std::string& text);
-// A length above 0, or auto: 0.
+// Parses a length above 0, or auto, which is 0.
 Result<double> parse_sigma(const std::string& text);
 
 }  // namespace tessera

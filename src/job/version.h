@@ -1,4 +1,4 @@
-// The version of this program and library, as CMake's project() has it.
+// The version of this program and library, as in CMake's project().
 #pragma once
 
 namespace tessera {

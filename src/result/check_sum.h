@@ -1,4 +1,4 @@
-// Whether a file is the one that its manifest tells of.
+// Checks a file against the checksum in its manifest.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-// Error corrupt when the file has not this checksum, io when it cannot be read.
+// Errors: corrupt when the file has another checksum than `expected`; io when the file cannot be read.
 Status check_sum(const std::filesystem::path& path, std::uint64_t expected, SumOf what = SumOf::bytes);
 
 }  // namespace tessera

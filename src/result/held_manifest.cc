@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// False when a writer is about to remove this version, which it then has replaced. File systems without such locks hold
-// nothing, and lose nothing: there no writer takes a version for unread.
+// Returns false when a writer has locked the file because it is about to remove this version, which it has replaced.
+// File systems without such locks hold nothing. Nothing is lost there, because no writer finds a version unread there.
 bool lock_shared(const FileHandle& file) { return ::flock(file.get(), LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
 
 Result<bool> is_current(const fs::path& path, const FileHandle& file) {
@@ -29,7 +29,7 @@ Result<bool> is_current(const fs::path& path, const FileHandle& file) {
   return now && now->st_ino == opened.st_ino && now->st_dev == opened.st_dev;
 }
 
-// Nothing when a writer replaced the manifest before it was locked.
+// Returns nothing when a writer replaced the manifest before it was locked.
 Result<std::optional<HeldManifest>> try_hold(const fs::path& path) {
   BOOST_OUTCOME_TRY(file, open_handle(path, O_RDONLY));
   if (!lock_shared(file)) return std::optional<HeldManifest>{};

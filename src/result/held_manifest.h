@@ -1,8 +1,8 @@
-// The manifest of a version of a result, held against removal while somebody reads its tiles.
+// Holds the manifest of one version of a result. While the manifest is held, no writer removes the version's tiles.
 //
 // A reader holds a shared lock (flock) on the inode of the manifest that it has read. A writer replaces manifest.json
-// by another file and keeps the old one under another name, so that a later writer can try to lock that inode for
-// itself: it succeeds when nobody reads the version any more (src/result/new_version.h).
+// by another file and keeps the old file under another name. A later writer tries to take the exclusive lock of the old
+// inode: the writer gets the lock only when no reader uses that version any more (src/result/new_version.h).
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ namespace tessera::result {
 
 struct HeldManifest {
   Manifest manifest;
-  FileHandle file;  // with the lock, where the file system has locks
+  FileHandle file;  // open file of the manifest; carries the lock, where the file system has locks
 };
 
-// The newest version. Errors: those of read_manifest(); io when writers replace the manifest again and again.
+// Holds the newest version. Errors: those of read_manifest(); io when writers replace the manifest again and again.
 Result<HeldManifest> hold_manifest(const std::filesystem::path& out);
 
 }  // namespace tessera::result

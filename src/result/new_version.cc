@@ -29,16 +29,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// An old version that nobody reads stays locked until it is removed, so that nobody begins to read it.
+// An old version without readers. It stays locked until it is removed, so that no reader begins to use it.
 struct Unread {
   fs::path file;
   FileHandle lock;
 };
 
-// Nothing when it is read, or nobody can tell.
+// Returns nothing when the version has readers, or when that cannot be known.
 Result<std::optional<Unread>> lock_if_unread(const result::OldVersion& old) {
   if (old.copy) return std::optional<Unread>{};
-  BOOST_OUTCOME_TRY(file, open_handle(old.file, O_RDWR));  // network file systems want the right to write
+  BOOST_OUTCOME_TRY(file, open_handle(old.file, O_RDWR));  // network file systems ask for the right to write
   if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) return std::optional<Unread>{};
   return std::optional(Unread{old.file, std::move(file)});
 }
@@ -76,10 +76,10 @@ Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out) {
 
 NewVersion::~NewVersion() {
   scratch_.reset();
-  ::rmdir(versions_folder(source_.folder()).c_str());  // stays when older versions are in it
+  ::rmdir(versions_folder(source_.folder()).c_str());  // fails, as it should, while older versions are in it
 }
 
-// Before anything is removed that the old one leads to.
+// Called before anything is removed that the old master file refers to.
 Status NewVersion::mend_master() const {
   const Manifest& manifest = source_.manifest();
   const auto path = master_file(source_.folder());
@@ -96,7 +96,7 @@ Status NewVersion::remove_unneeded() const {
   std::vector<Unread> unread;
   BOOST_OUTCOME_TRY(olds, result::old_versions(out));
   for (const auto& old : olds) {
-    if (old.version >= source_.manifest().version) {  // of a writer that was ended
+    if (old.version >= source_.manifest().version) {  // left by a writer that was ended
       BOOST_OUTCOME_TRYV(remove_file(old.file));
       continue;
     }
@@ -135,8 +135,9 @@ Status NewVersion::remove_unneeded() const {
 
 Status NewVersion::check_room(std::span<const ResultColumn> columns, std::uint64_t beside,
                               std::optional<std::uint64_t> free) const {
-  // For each tile its part of the manifest and the master file, a longer header, and the rest of the last block of its
-  // file and of what is put down of it. Files of points have values packed: they take no more than plain ones.
+  // What each tile needs besides its arrays: its lines in the manifest and in the master file, a longer header, and the
+  // rest of the last disk block of its file and of its scratch file. Files of points hold packed values, which need no
+  // more room than plain ones.
   constexpr std::uint64_t of_a_tile = 16 << 10;
   std::uint64_t needed = beside + of_a_tile;
   for (const TileEntry& entry : source_.manifest().tiles) {
@@ -183,7 +184,7 @@ Status NewVersion::replace_tile(std::size_t index, TileEntry entry, const fs::pa
   return success();
 }
 
-// Under a second name: whoever reads the old version has its file locked.
+// Gives the old manifest a second name. A new file would not do: readers of the old version hold a lock on this inode.
 Status NewVersion::keep_old_manifest() const {
   const fs::path& out = source_.folder();
   const std::uint32_t version = source_.manifest().version;
@@ -225,7 +226,7 @@ Status NewVersion::commit(std::vector<ResultColumn> columns) {
   BOOST_OUTCOME_TRYV(lock_.check());
   BOOST_OUTCOME_TRYV(keep_old_manifest());
   BOOST_OUTCOME_TRYV(lock_.check());
-  for (auto& file : files_) file.keep();  // what fails from here on may have come too late to undo it
+  for (auto& file : files_) file.keep();  // an error from here on may come too late to undo the change
   BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(next)));
   BOOST_OUTCOME_TRYV(lock_.check());
   return write_whole(master_file(out), master);

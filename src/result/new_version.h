@@ -1,17 +1,17 @@
-// A change of a finished result. Whoever reads the result meanwhile is not disturbed, and whatever ends the writer
-// leaves the old version or the new one.
+// Changes a finished result. Programs that read the result meanwhile are not disturbed. When the writer is ended, by
+// whatever cause, either the old version or the new one is left.
 //
-//   begin  | takes the folder's lock; replaces the master file if the last writer was ended before it had; removes
-//          | what writers that were ended have left, and files that only versions without a reader need
-//   room   | is looked for, so that a disk that is too small is told before hours of work
-//   tiles  | are new files, tiles/NNNNNN-V.vtu or .pts, which no manifest knows yet
+//   begin  | takes the folder's lock; replaces the master file if the last writer was ended before it did; removes what
+//          | ended writers have left, and files that only versions without a reader need
+//   room   | is checked, so that a disk that is too small is reported before hours of work
+//   tiles  | are new files, tiles/NNNNNN-V.vtu or .pts, which no manifest names yet
 //   commit | syncs the new files; gives the manifest of the old version a second name, .versions/NNNNNN.json; replaces
 //          | manifest.json, and from then on the result is the new version; then replaces the master file, which
 //          | follows from the manifest
 //
-// A reader holds a lock on the manifest that it has read (held_manifest.h), and whoever can lock the old manifest for
-// itself knows that its version has no reader. Only the next writer removes files: programs that know nothing of locks
-// have what they opened until then.
+// A reader holds a lock on the manifest that it has read (held_manifest.h). A writer that can lock an old manifest for
+// itself knows that no reader uses that version. Only the next writer removes files. So programs that do not know the
+// locks keep what they have opened until the next change.
 #pragma once
 
 #include <cstddef>
@@ -35,32 +35,35 @@ namespace tessera {
 
 class NewVersion {
  public:
-  // Errors: of TileSource::open(); usage when another process works in the folder, and for format 2; corrupt for a
-  // damaged manifest of an older version that is read; io.
+  // Begins a change, and takes the folder's lock. Errors: those of TileSource::open(); usage when another process works
+  // in the folder, or when the result has format 2; corrupt when the manifest of an older version, which a reader still
+  // uses, is damaged; io.
   static Result<std::unique_ptr<NewVersion>> begin(const std::filesystem::path& out);
-  // Without commit() nothing of it stays.
+  // Removes everything that was written, unless commit() was called.
   ~NewVersion();
   NewVersion(const NewVersion&) = delete;
   NewVersion& operator=(const NewVersion&) = delete;
 
-  // The version that stands.
+  // The version that is being changed.
   const TileSource& source() const { return source_; }
   std::uint32_t number() const { return source_.manifest().version + 1; }
-  // A folder for whatever must be put down meanwhile.
+  // A folder for scratch files. The destructor removes the folder.
   const std::filesystem::path& scratch() const { return scratch_->path(); }
-  // To be asked before anything is written: error io, with both figures, when there is no room for all tiles with these
-  // columns and for `beside` bytes more. `free`: what known_free_bytes() tells of the folder. The old files stay, so
-  // what the result takes now is needed once more.
+  // Call this before anything is written. Error io, with both figures, when the disk has no room for all tiles with
+  // these columns and for `beside` more bytes. `free` is what known_free_bytes() returned for the folder. The old files
+  // stay, so the result needs as much room again as it takes now.
   Status check_room(std::span<const ResultColumn> columns, std::uint64_t beside,
                     std::optional<std::uint64_t> free) const;
 
-  // The tile with these columns more, which are the same in each. Safe to call from several threads for different
-  // tiles. Errors: corrupt when the file is not the one that was stored; io, interrupted.
+  // Writes a copy of a tile with these columns added. All tiles must get the same columns. Safe to call from several
+  // threads for different tiles. Errors: corrupt when the file is not the one that was stored; io; interrupted.
   Status add_columns(std::size_t index, std::span<const store::ColumnValues> columns, const std::stop_token& stop);
-  // The tile is this file from then on, which moves; `entry`: of it. Safe to call likewise. Error io.
+  // Moves `file` into the result as the file of this tile; `entry` describes the file. Safe to call from several
+  // threads for different tiles. Error io.
   Status replace_tile(std::size_t index, TileEntry entry, const std::filesystem::path& file);
-  // `columns`: what they are. REQUIRES: if there are any, add_columns() was called for each tile. Tiles of which
-  // nothing was said stay as they are. Errors: io; with it either version may stand.
+  // Makes the new version the current one. `columns` describes the columns that add_columns() has added. Tiles that
+  // were neither extended nor replaced stay as they are. REQUIRES: if there are columns, add_columns() was called for
+  // every tile. Error io: the result may then be at either version.
   Status commit(std::vector<ResultColumn> columns);
 
  private:

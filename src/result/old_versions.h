@@ -1,4 +1,4 @@
-// What is left of older versions of a result.
+// Finds older versions of a result.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 
 namespace tessera::result {
 
-// A manifest that a newer one has replaced.
+// A manifest that a newer manifest has replaced.
 struct OldVersion {
   std::uint32_t version = 0;
   std::filesystem::path file;
-  bool copy = false;  // of the manifest: nobody can tell who reads that version
+  bool copy = false;  // a copy of the manifest, not a second name of its inode: so its readers cannot be found
 };
 
-// By version; with leftovers of a writer that was killed, which are of the version that stands, or of later ones.
-// Error io.
+// Returns the old versions, in ascending order. The list includes leftovers of a killed writer, which have the number
+// of the current version or a higher number. Error io.
 Result<std::vector<OldVersion>> old_versions(const std::filesystem::path& out);
 
-// The names of its tile files, without their folder.
+// The names of the manifest's tile files, without their folder.
 std::set<std::filesystem::path> tile_names(const Manifest& manifest);
 
 }  // namespace tessera::result

@@ -23,15 +23,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A vertex, and a tile that has it as a foreign one.
+// A vertex, and a tile that has it as a foreign vertex.
 struct Sent {
   TileId to;
   std::int32_t vertex = 0;
   friend auto operator<=>(const Sent&, const Sent&) = default;
 };
 
-// Of the tile's own vertices: a tile holds exactly the cells with a vertex of its own, so the other owners in a cell
-// are the tiles that have the cell, too.
+// Returns the receivers of the tile's own vertices. A tile has exactly the cells with a vertex of its own. So the other
+// owners of a cell's vertices are the tiles that have the cell, too.
 std::vector<Sent> receivers(const TileMesh& mesh, TileId self) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   std::vector<Sent> sent;
@@ -50,7 +50,8 @@ std::vector<Sent> receivers(const TileMesh& mesh, TileId self) {
         if (mesh.point_ghost[static_cast<std::size_t>(v)] == 0) sent.push_back({to, v});
       }
     }
-    // The same vertex comes many times: so never many more than there are in the end.
+    // The same vertex comes many times. Sorting now and then keeps the list at most about twice as long as its final
+    // length.
     if (sent.size() > 2 * sorted + (std::size_t{1} << 20)) sort();
   }
   sort();
@@ -90,7 +91,7 @@ Status Pass::run(const Compute& compute, const Take& take) {
     BOOST_OUTCOME_TRYV(put_down(index, tile, values));
     return send(index, tile, values);
   }));
-  // Values and vertices, and what a function keeps of them.
+  // This pass needs memory for values and vertices, and for what the function keeps of them.
   return on_tiles(computing_part, 1, 1, [&](std::size_t index) -> Status {
     BOOST_OUTCOME_TRY(values, read_values(index));
     if (row_bytes() > 0) {

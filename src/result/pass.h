@@ -1,10 +1,11 @@
-// A computation over all tiles of a result: every tile once, on threads, within a budget of memory.
+// Runs a computation over all tiles of a result: each tile once, on threads, within a memory budget.
 //
-// What is computed are columns. The function computes them of a tile's cells, also of those that are main elsewhere,
-// for which it must give the same values there; and of the tile's own vertices, all cells of which the tile has. Values
-// of foreign vertices come from the tiles that own them: a tile sends what it has found of a vertex to all tiles that
-// hold one of its cells, for those are the tiles that have the vertex as a foreign one. Values and what is sent are put
-// down in a scratch folder, a file a tile: in memory are the tiles that are worked on, and their values.
+// The computation returns columns. For a tile it computes the values of all cells of the tile, and of the tile's own
+// vertices, all of whose cells the tile has. A cell that several tiles have must get the same value in each of them.
+// Values of foreign vertices come from the tiles that own them: a tile sends the values of a vertex to every tile that
+// has one of the vertex's cells, because exactly these tiles have the vertex as a foreign one. Values, and what tiles
+// send, are kept in a scratch folder, one file a tile. Memory holds only the tiles that are being worked on, and their
+// values.
 #pragma once
 
 #include <array>
@@ -29,34 +30,35 @@ struct PassColumn {
   Attribute as;
 };
 
-// By column: a value a cell or a vertex of a tile, in the file's order.
+// One array a column: the values of all cells or vertices of a tile, in the file's order.
 using PassValues = std::vector<std::vector<std::byte>>;
 
 struct PassOptions {
   unsigned threads = 1;
-  std::uint64_t memory_bytes = 0;  // at least what a tile takes is used
-  double tile_factor = 1.5;        // what the function takes for a tile, in bytes of its file
+  std::uint64_t memory_bytes = 0;  // budget; a single tile may exceed it
+  double tile_factor = 1.5;        // memory that the function needs for a tile, divided by the bytes of the tile's file
   std::stop_token stop = {};
-  // Told the part that is done, by one thread at a time; or null.
+  // Called with the fraction that is done, 0..1, by one thread at a time; may be null.
   std::function<void(double)> progress = {};
 };
 
 class Pass {
  public:
-  // `scratch`: an empty folder.
+  // `scratch` is an empty folder.
   Pass(TileSource source, std::vector<PassColumn> columns, std::filesystem::path scratch, PassOptions options)
       : source_(source.stopped_by(options.stop)),
         columns_(std::move(columns)),
         scratch_(std::move(scratch)),
         options_(std::move(options)) {}
 
-  // Called by several threads, for each tile once. The tile has cells and neighbours, without attributes.
+  // Computes the values of a tile. Called by several threads, once for each tile. The tile has cells and neighbours,
+  // but no attributes.
   using Compute = std::function<Result<PassValues>(std::size_t index, const StoredTile& tile)>;
-  // The same, with all values in their places.
+  // Receives the values of a tile, those of foreign vertices included. Called by several threads, once for each tile.
   using Take = std::function<Status(std::size_t index, const PassValues& values)>;
-  // That run() puts down in the scratch folder, at most.
+  // The most bytes that run() writes into the scratch folder.
   std::uint64_t scratch_bytes() const;
-  // Errors: of reading, of the functions; corrupt when tiles contradict each other; io; interrupted.
+  // Errors: those of reading and of the two functions; corrupt when tiles contradict each other; io; interrupted.
   Status run(const Compute& compute, const Take& take);
 
  private:
@@ -66,13 +68,13 @@ class Pass {
   Status append(std::size_t to, std::span<const std::byte> records);
   Result<PassValues> read_values(std::size_t index) const;
   Status fill_foreign(std::size_t index, PassValues& values) const;
-  std::size_t row_bytes() const;  // of what is sent of a vertex, without its id
+  std::size_t row_bytes() const;  // of the values that are sent with a vertex, without its id
 
   TileSource source_;
   std::vector<PassColumn> columns_;
   std::filesystem::path scratch_;
   PassOptions options_;
-  std::array<std::mutex, 64> appending_;  // by the tile that is sent to
+  std::array<std::mutex, 64> appending_;  // locks, chosen by the receiving tile
 };
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// Which thread reads which tile of a result next.
+// Hands out the tiles of a result to threads.
 #pragma once
 
 #include <atomic>
@@ -16,10 +16,11 @@
 
 namespace tessera {
 
-// Tiles for several threads, each to one of them.
+// A queue of tiles for several threads. Each tile goes to one thread. next() and done() are safe to call from several
+// threads.
 class TileQueue {
  public:
-  // `progress`: is told the part that is done, 0..1, by one thread at a time; or null.
+  // `progress` is called with the fraction that is done, 0..1, by one thread at a time; it may be null.
   TileQueue(TileSource source, std::vector<std::size_t> tiles, std::stop_token stop,
             std::function<void(double)> progress)
       : source_(source.stopped_by(stop)),
@@ -29,13 +30,14 @@ class TileQueue {
 
   const TileSource& source() const { return source_; }
 
-  // How many threads, of at least 1: no more than tiles, nor than memory for `tile_factor` times a tile's file each.
+  // The number of threads to use, at least 1 and at most `wanted`: no more than there are tiles, and no more than fit
+  // into memory, when each thread needs `tile_factor` times the bytes of a tile's file, and `beside` bytes more.
   unsigned threads(unsigned wanted, std::uint64_t memory_bytes, double tile_factor, std::uint64_t beside) const;
-  // What the largest tile takes.
+  // The bytes that the largest tile needs.
   std::uint64_t tile_bytes(double tile_factor) const;
-  // Nothing at the end. Error interrupted.
+  // The next tile; nothing at the end. Error interrupted.
   Result<std::optional<std::size_t>> next();
-  void done();  // with one of them
+  void done();  // call this when a tile is done
 
  private:
   TileSource source_;

@@ -32,7 +32,7 @@ constexpr const char *other_dimension = "has another dimension than the manifest
                      *other_attributes = "has other attributes than the manifest says",
                      *other_cell_columns = "has other columns of cells than the manifest says";
 
-// The first thing in which the tile is another one than the manifest says; empty: none.
+// Describes the first difference between the tile and what the manifest says; empty when there is none.
 std::string difference(const Manifest& manifest, const TileEntry& entry, const StoredTile& tile, bool with_cells) {
   const TileMesh& mesh = tile.mesh;
   if (mesh.dimension != manifest.dimension) return other_dimension;
@@ -82,14 +82,14 @@ std::uint64_t TileSource::work_bytes(std::size_t i) const {
   const TileEntry& tile = entry(i);
   if (tile.kind == TileKind::cells) return tile.bytes;
   const std::uint64_t corners = static_cast<std::uint64_t>(manifest().dimension) + 1;
-  const std::uint64_t cells = tile.cells + tile.cells / 8;  // and those of foreign vertices alone
+  const std::uint64_t cells = tile.cells + tile.cells / 8;  // and cells of foreign vertices alone
   return cells * (sizeof(CellRow) + 9 + 8 * corners) + tile.points * (96 + row_bytes(manifest().schema)) +
          tile.cells * row_bytes(cell_schema_of(manifest()));
 }
 
 namespace {
 
-// A permutation of rows of `width` bytes: row i comes from `from[i]`.
+// Permutes rows of `width` bytes: row i comes from `from[i]`.
 std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t width,
                                 const std::vector<std::uint32_t>& from) {
   std::vector<std::byte> out(rows.size());
@@ -101,7 +101,7 @@ std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t 
 
 }  // namespace
 
-// Small blocks can tell of many points and cells: the manifest says for how many memory is taken.
+// Small blocks can claim many points and cells. So the numbers are compared with the manifest before memory is taken.
 Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsParts& parts) const {
   BOOST_OUTCOME_TRY(head, read_points_head(file(i), entry(i).tile));
   const TileEntry& tile = entry(i);
@@ -116,12 +116,12 @@ Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsParts& 
   return read_points_file(file(i), tile.tile, parts);
 }
 
-// Foreign vertices stand in the file as a kernel takes them best, and in the mesh by id.
+// In the file, foreign vertices are in the order that suits a kernel; in the mesh they are sorted by id.
 Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts) const {
   const auto path = file(i);
   BOOST_OUTCOME_TRY(tile, read_as_points(i, {.rows = parts.rows, .cell_columns = parts.cells && parts.cell_columns}));
   const std::size_t n = tile.points.size(), own = tile.own;
-  std::vector<std::uint32_t> from;  // by place in the mesh
+  std::vector<std::uint32_t> from;  // by index in the mesh
   if (parts.rows || !parts.cells) {
     from.resize(own);
     std::iota(from.begin(), from.end(), 0u);

@@ -1,4 +1,4 @@
-// The one door to the tiles of a result: of one version, as its manifest has them.
+// The only way to read the tiles of a result.
 #pragma once
 
 #include <cstddef>
@@ -18,38 +18,41 @@
 
 namespace tessera {
 
-// Cheap to copy; for several threads at once. As long as a copy is there, no later version takes the files away.
+// Reads the tiles of one version of a result, as its manifest lists them. Cheap to copy, and safe to use from several
+// threads. While a copy exists, no writer removes the files of this version.
 class TileSource {
  public:
-  // The newest version. Reads the manifest alone. Errors: those of read_manifest().
+  // Opens the newest version. Reads only the manifest. Errors: those of read_manifest().
   static Result<TileSource> open(const std::filesystem::path& out);
 
-  // The same; read() of a tile whose cells must be made ends with error interrupted soon after `stop` is requested.
+  // Returns a copy that can be stopped: after `stop` is requested, read() of a tile whose cells must be rebuilt soon
+  // returns the error interrupted.
   TileSource stopped_by(std::stop_token stop) const;
 
   const std::filesystem::path& folder() const { return inside_->folder; }
   const Manifest& manifest() const { return inside_->manifest; }
-  // The tiles that have points are numbered from 0, by their ids.
+  // The number of tiles that have points. They are numbered from 0, in the order of their ids.
   std::size_t tiles() const { return manifest().tiles.size(); }
   const TileEntry& entry(std::size_t i) const { return manifest().tiles[i]; }
-  // Nothing for a tile without points.
+  // The number of the tile; nothing for a tile without points.
   std::optional<std::size_t> find(TileId tile) const;
-  // Where a tile stands, for errors and for whoever wants the bytes.
+  // The path of a tile's file, for error messages and for code that needs the bytes.
   std::filesystem::path file(std::size_t i) const { return tile_file(folder(), entry(i)); }
   std::filesystem::path file(TileId tile) const;
 
-  // What read() takes of memory at most, in bytes, when it gives cells.
+  // The most memory in bytes that read() needs to return a tile with its cells.
   std::uint64_t work_bytes(std::size_t i) const;
 
-  // The tile's file has the checksum that the manifest says. Errors: corrupt, io.
+  // Checks the tile's file against the checksum in the manifest. Errors: corrupt, io.
   Status check(std::size_t i) const;
-  // Every array is checked, and all is compared with what the manifest says of the tile. Cells of a tile that is kept
-  // as points are made again (src/tiling/tile/rebuild.h). Errors: corrupt, which names file and place; io; memory when
-  // a kernel cannot number the tile's points.
+  // Reads a tile, checks every array, and compares the tile with its entry in the manifest. The cells of a tile that is
+  // kept as points are rebuilt (src/tiling/tile/rebuild.h). Errors: corrupt, with file and array; io; memory when a
+  // kernel cannot number the tile's points.
   Result<StoredTile> read(std::size_t i, const TileParts& parts) const;
-  // What the file of a tile that is kept as points holds. Errors as above. REQUIRES: it is.
+  // Reads the file of a tile that is kept as points, without rebuilding cells. REQUIRES: the tile is kept as points.
+  // Errors: as read().
   Result<PointsTile> read_as_points(std::size_t i, const PointsParts& parts) const;
-  // Only the source indices of the tile's own vertices, in the file's order. Errors as above.
+  // Reads only the source indices of the tile's own vertices, in the file's order. Errors: as read().
   Result<std::vector<PointId>> read_own_ids(std::size_t i) const;
 
  private:

@@ -16,7 +16,7 @@ void tell(const query::Vertex& vertex, int dimension, proto::Vertex& to) {
   tell(vertex.at, dimension, *to.mutable_point());
 }
 
-// Of a proto::Cell or, of a point, a proto::Answer.
+// Fills a proto::Cell or, for a point, a proto::Answer.
 void tell(const query::Cell& cell, int dimension, auto& to) {
   if (!cell) return;
   to.set_tile(cell.tile.value);
@@ -50,7 +50,7 @@ void tell(const query::Interpolated& found, const AnswerOptions& options, proto:
 template <class Found>
 std::string all_of(std::span<const Point> points, std::span<const Found> answers, const AnswerOptions& options) {
   std::string bytes;
-  proto::Answers one;  // messages one after the other are one with the answers of all
+  proto::Answers one;  // serialised messages one after the other are one message with all answers
   for (std::size_t i = 0; i < answers.size(); ++i) {
     one.Clear();
     proto::Answer& answer = *one.add_answers();

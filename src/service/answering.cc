@@ -153,7 +153,7 @@ Result<query::Area> Answering::area() const {
 Result<QuestionAnswer> Answering::cells() const {
   BOOST_OUTCOME_TRY(area, area());
   BOOST_OUTCOME_TRY(most, limits_of_cells());
-  // What it is called does not show; a format without its ending would be a folder.
+  // The name of the file does not matter, but a name without an ending would mean a folder.
   const std::string format = word("f", dimension_ == 2 ? "geojson" : "ply");
   if (format == "npy")
     return error(Errc::usage,
@@ -192,7 +192,7 @@ Result<QuestionAnswer> Answering::interpolate() const {
 
 Result<AnswerOptions> Answering::many() const {
   const std::string& type = question_.type;
-  // Messages take what JSON takes.
+  // Protobuf is answered as JSON is.
   const bool json = question_.as_message || type == json_type || type == protobuf_type;
   const std::string came = json ? "json" : type == "text/csv" ? "csv" : "npy";
   BOOST_OUTCOME_TRY(
@@ -203,7 +203,7 @@ Result<AnswerOptions> Answering::many() const {
 Result<QuestionAnswer> Answering::finished(TextAnswers& answers, AnswerFormat format, bool final) const {
   BOOST_OUTCOME_TRYV(answers.finish());
   std::string text = answers.take();
-  if (format == AnswerFormat::json) {  // a document, not a line each
+  if (format == AnswerFormat::json) {  // one document, not one line an answer
     for (char& c : text)
       if (c == '\n') c = ',';
     text.back() = ']';

@@ -1,4 +1,5 @@
-// One question to an open result: its words read as the command reads them, and what the command would print.
+// Answers one question to an open result. Options are read as the command reads them, and the answer is what the
+// command would print.
 #pragma once
 
 #include <filesystem>
@@ -23,22 +24,23 @@ namespace tessera {
 
 class Answering {
  public:
-  // `folder`: empty, and removed after the question. All outlive this.
+  // `folder` is an empty folder, which is removed after the question. The arguments must stay valid as long as this
+  // object.
   Answering(const Reader& reader, const Question& question, const QuestionLimits& limits, std::filesystem::path folder,
             std::stop_token stop);
 
-  // Errors name options by marks, the body as "the body", and files by their paths.
+  // Errors have marks for options, "the body" for the body, and paths for files.
   Result<QuestionAnswer> answer() const;
 
  private:
   Result<QuestionAnswer> locate() const;
-  Result<QuestionAnswer> locate_named() const;  // a cell by its tile and place
+  Result<QuestionAnswer> locate_named() const;  // a cell by its tile and index
   Result<QuestionAnswer> locate_many() const;
   Result<QuestionAnswer> star() const;
   Result<QuestionAnswer> cells() const;
   Result<QuestionAnswer> interpolate() const;
   static QuestionAnswer in_bytes(std::string message, bool final);
-  // Of a point and its cell, if there is one.
+  // The answer for a point and its cell, if it has one.
   QuestionAnswer location(const Point& p, const std::optional<query::CellDetails>& details, bool final) const;
   // answering_terrain.cc
   Result<QuestionAnswer> dem() const;
@@ -68,16 +70,16 @@ class Answering {
   Result<std::vector<Point>> points_in_json() const;
   Result<std::vector<Point>> points_in_file(const std::string& ending) const;
   Result<query::Area> area() const;
-  // How many cells an answer may have.
+  // The number of cells that an answer may have.
   Result<query::CellLimits> limits_of_cells() const;
-  // Of cells: those with a longer edge are left out; nothing when none is.
+  // Leaves out cells with a longer edge; nothing: leaves out none.
   Result<std::optional<double>> longest_edge() const;
-  // In which the answers to many points are given: as they came, or as `f` says.
+  // The format of the answers to many points: that of the body, or the one that `f` names.
   Result<AnswerOptions> many() const;
   Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format, bool final) const;
   Result<QuestionAnswer> file(const std::filesystem::path& path, bool final) const;
   bool is_part() const { return reader_.stored.manifest().region.has_value(); }
-  // Parts of a 3D result.
+  // Error usage unless the result is 3D; for questions about parts of a 3D result.
   Status has_volume() const;
   Result<QuestionAnswer> shown(const tileset::Shape& shape, const query::CellSet& cells) const;
   std::uint64_t memory_bytes() const { return limits_.memory_bytes / 8; }

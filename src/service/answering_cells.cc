@@ -1,4 +1,4 @@
-// Questions about cells: one by its name, and parts of a 3D result for viewers.
+// Questions about cells: a cell by its name, and parts of a 3D result for viewers.
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -28,7 +28,7 @@ Result<std::optional<double>> Answering::longest_edge() const {
   return std::optional(longest);
 }
 
-// The point that is told is the mean of its corners.
+// The point in the answer is the mean of the cell's corners.
 Result<QuestionAnswer> Answering::locate_named() const {
   const std::string text = word("cell");
   const std::size_t comma = text.find(',');

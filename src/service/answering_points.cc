@@ -1,4 +1,4 @@
-// Many points, as the body of a question has them: JSON, protobuf, text, NumPy's format, and no other.
+// Reads many points from the body of a question: JSON, protobuf, text, NumPy's format, and no other.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -48,9 +48,9 @@ Result<std::vector<Point>> Answering::points_in_json() const {
   return points;
 }
 
-// As the command reads such a file: there is one way to read each format.
+// As the command reads such a file, so that each format has one reader.
 Result<std::vector<Point>> Answering::points_in_file(const std::string& ending) const {
-  // By its content, a body could be of any format that files have: who may ask would reach all their readers.
+  // If the content decided, a body could have any file format, and callers would reach the readers of all formats.
   const auto bytes = std::as_bytes(std::span(*question_.body));
   const auto wanted = ending == ".npy" ? FileFormat::npy : FileFormat::text;
   if (format_of(bytes.first(std::min(bytes.size(), format_bytes)), "body" + ending, bytes.size()) != wanted)

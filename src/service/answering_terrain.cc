@@ -1,4 +1,4 @@
-// Answers that are drawn of a surface.
+// Answers that are drawn from a surface.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -24,14 +24,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// By parts, with the value as the third coordinate.
+// The profile by parts, with the value as the third coordinate.
 std::string geojson_of(const std::vector<ProfilePoint>& points) {
   Json parts = Json::array();
   for (const auto& p : points) {
     if (parts.size() <= p.part) parts.push_back(Json::array());
     parts.back().push_back({p.x, p.y, p.value});
   }
-  // A line has two points: one that only touches the surface is none.
+  // A line has at least two points: a part that only touches the surface is left out.
   std::erase_if(parts.get_ref<Json::array_t&>(), [](const Json& part) { return part.size() < 2; });
   return json_text(Json{{"type", "Feature"},
                         {"properties", Json::object()},
@@ -77,8 +77,8 @@ Result<QuestionAnswer> Answering::dem() const {
     return error(Errc::memory, "the raster has " + grouped(static_cast<std::uint64_t>(grid.width)) + " x " +
                                    grouped(static_cast<std::uint64_t>(grid.height)) + " pixels, and an answer " +
                                    grouped(limits_.pixels) + " at most: ask for a smaller bbox or a larger res");
-  // The centres of the pixels: cells beside them have none. Those of a small box come from few tiles; when there are
-  // too many for memory, all tiles are read, one after the other.
+  // The box of the pixels' centres: cells that contain no centre have no pixels. The cells of a small box come from few
+  // tiles. When there are too many for memory, all tiles are read one after the other.
   const query::Area area{
       .box = {{grid.centre(grid.column0), grid.centre(grid.row0), 0},
               {grid.centre(grid.column0 + grid.width - 1), grid.centre(grid.row0 + grid.height - 1), 0}},

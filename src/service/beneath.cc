@@ -29,7 +29,7 @@ int openat2(int folder, const char* path, int flags, Links links) {
 Result<std::optional<FileHandle>> open_if_there(const FileHandle& folder, const std::string& path, int flags,
                                                 Links links) {
   if (path.find('\0') != std::string::npos) return error(Errc::usage, path + ": holds a zero byte");
-  const int no_waiting = (flags & O_PATH) != 0 ? 0 : O_NOCTTY | O_NONBLOCK;  // openat2 refuses flags without a meaning
+  const int no_waiting = (flags & O_PATH) != 0 ? 0 : O_NOCTTY | O_NONBLOCK;  // openat2 refuses useless flags
   const int fd = openat2(folder.get(), path.c_str(), flags | no_waiting, links);
   if (fd >= 0) return std::optional(FileHandle(fd));
   const int number = errno;

@@ -1,4 +1,4 @@
-// Files below a folder, and nowhere else: whatever a path says, and whatever links it meets (openat2, Linux 5.6).
+// Opens files below a folder and nowhere else, whatever a path says and whatever links it meets (openat2, Linux 5.6).
 #pragma once
 
 #include <filesystem>
@@ -12,23 +12,24 @@ namespace tessera {
 
 enum class Links : bool { refused, followed_beneath };
 
-// `path` from the open folder on; `flags` as of open(2), O_CLOEXEC added. Errors name `path`: usage when it leads out
-// of the folder, by "..", by a link or by being absolute, or holds a zero byte; io. Never waits (of a FIFO, for one).
+// Opens `path` relative to the open folder. `flags` are those of open(2); O_CLOEXEC is added. Never waits, for example
+// for a FIFO. Errors, which name `path`: usage when it leads out of the folder (by "..", by a link or because it is
+// absolute) or holds a zero byte; io.
 Result<FileHandle> open_beneath(const FileHandle& folder, const std::string& path, int flags, Links links);
 
-// The same; nothing when the system says that nothing is there.
+// The same; returns nothing when the file does not exist.
 Result<std::optional<FileHandle>> open_if_there(const FileHandle& folder, const std::string& path, int flags,
                                                 Links links);
 
-// To look for files in, not to list it. Error io.
+// Opens a folder to look for files in, not to list it. Error io.
 Result<FileHandle> open_folder(const std::filesystem::path& folder);
 
-// Where an open file or folder is now, without links. Error io.
+// The current path of an open file or folder, without links. Error io.
 Result<std::filesystem::path> real_path(const FileHandle& file);
-// The same file by another way, for what takes a path: while `file` is open.
+// A path that means the open file, for functions that need a path. Valid while `file` is open.
 std::filesystem::path path_of(const FileHandle& file);
 
-// Error io when this kernel cannot open files so.
+// Error io when this kernel lacks openat2.
 Status check_beneath();
 
 }  // namespace tessera

@@ -34,7 +34,7 @@ std::optional<Collections::Place> Collections::place_of(const Results::Held& hel
       place = Place{{box.value().lo.x, box.value().lo.y, box.value().hi.x, box.value().hi.y}, {}};
     if (const auto storage = storage_crs(manifest.crs); place && storage) place->storage_crs = storage.value().uri;
   }
-  // Without GDAL now, there may be one later.
+  // There is no GDAL now, but there may be later.
   if (!places && places.error().code == Errc::io) return place;
   const std::lock_guard lock(mutex_);
   if (places_.size() >= places_max) places_.clear();
@@ -71,7 +71,7 @@ Reply<std::vector<FeatureCollection>> Collections::list() {
   const auto names = results_.names();
   if (!names) return problem_of(names.error());
   for (const auto& name : names.value()) {
-    // Gone since, or damaged, or not to be looked at: it must not hide the others, and find() tells why.
+    // The result is gone, damaged or unreadable. It must not hide the others; find() reports why.
     const auto held = results_.hold(name);
     if (!held) continue;
     for (const char* kind : kinds)

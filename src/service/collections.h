@@ -14,7 +14,7 @@
 
 namespace tessera {
 
-// Safe from any thread.
+// Thread-safe.
 class Collections {
  public:
   explicit Collections(Results& results) : results_(results) {}
@@ -28,14 +28,14 @@ class Collections {
     std::array<double, 4> extent{};  // west, south, east and north
     std::string storage_crs;
   };
-  // None when that is not known, or cannot be asked.
+  // The place of a result on the earth; nothing when it is unknown or cannot be computed.
   std::optional<Place> place_of(const Results::Held& held);
   Result<std::optional<FeatureCollection>> make(const std::string& name, const std::string& kind,
                                                 const Results::Held& held);
 
   Results& results_;
   std::mutex mutex_;
-  std::map<std::string, std::optional<Place>> places_;  // by the result's identity
+  std::map<std::string, std::optional<Place>> places_;  // by the identity of the result
 };
 
 }  // namespace tessera

@@ -17,7 +17,7 @@
 namespace tessera {
 namespace {
 
-// "crop: is an empty box", with the option marked.
+// "crop: is an empty box", with a mark for the option.
 Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
 
 Status read_tiles(const proto::TriangulateInputs& inputs, const JobShare& share, JobOptions& options) {
@@ -74,7 +74,7 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
     BOOST_OUTCOME_TRY(resolution, length_of("resolution", inputs.resolution()));
     cloud.resolution = resolution;
   }
-  constexpr int classes_max = 256;  // there are no more
+  constexpr int classes_max = 256;  // no class is higher
   if (inputs.class__size() > classes_max)
     return refuse("class", "has " + std::to_string(inputs.class__size()) + " numbers, and there are 256 classes");
   for (const auto number : inputs.class_()) {
@@ -94,7 +94,8 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   if (std::find(cloud.attributes.begin(), cloud.attributes.end(), "") != cloud.attributes.end())
     return refuse("attributes", "one has an empty name");
   if (inputs.has_crs()) {
-    // Never the name of a file, nor a text that has one in it: a service opens none but inputs, and PROJ its own.
+    // Never the name of a file, nor a text with a file name in it: the service opens only inputs, and PROJ only its own
+    // files.
     if (const auto known = check_crs(inputs.crs()); !known)
       return refuse("crs", in_quotes(inputs.crs()) + ": " + known.error().where);
     cloud.crs = inputs.crs();
@@ -110,10 +111,10 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   return success();
 }
 
-// What has one name has one type, and goes over by its name.
+// Copies fields with equal names, which have equal types, by name.
 Result<proto::TriangulateInputs> renamed(const google::protobuf::Message& shared) {
   auto json = parse_json(to_json(shared));
-  json.erase("bbox");  // a list, which is written though it is empty
+  json.erase("bbox");  // a list, which is written even when empty
   proto::TriangulateInputs cloud;
   BOOST_OUTCOME_TRYV(from_json(json_text(json), cloud));
   return cloud;

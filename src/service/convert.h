@@ -1,4 +1,4 @@
-// What a process is asked to do, from fields to the options that the engine has: the only place where they meet.
+// Converts the inputs of a process to the options of the engine. This is the only place that knows both.
 #pragma once
 
 #include <cstdint>
@@ -14,33 +14,35 @@
 
 namespace tessera {
 
-// What one job of the service has.
+// The threads and the memory of one job of the service.
 struct JobShare {
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
 };
 
-// Options of `tessera triangulate` that are no fields: input-list, a file whose lines would name files anywhere (its
-// lines can be sent); standard input; resume, a request of its own; config, quiet, json and verbose, which say how a
-// command reads and prints. A file as crs is refused, its content is taken. Threads and memory are at most the share.
-// Inputs and output are left to the caller. Error usage, here and below, with options marked.
+// The options of a triangulation. Some options of `tessera triangulate` are no fields: input-list, because its lines
+// could name any file (a client can send the lines instead); standard input; resume, which is a request of its own;
+// config, quiet, json and verbose, which are about the command. A file as crs is refused; its content is accepted.
+// Threads and memory are at most the share. The caller sets inputs and output. Error usage, here and below, with marks
+// for options.
 Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const JobShare& share);
-// Those that info has, too; and region.
+// The inputs that info and region have in common with triangulate.
 Result<proto::TriangulateInputs> cloud_of(const proto::InfoInputs& inputs);
 Result<proto::TriangulateInputs> cloud_of(const proto::RegionInputs& inputs);
-// All but `command`.
+// All region options except `command`.
 Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const JobShare& share);
-// `scratch` is not asked for: it is the service's.
+// Leaves `scratch` to the caller, because it is the service's.
 Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const JobShare& share);
 Result<ExportOptions> export_options(const proto::ExportInputs& inputs);
 
-// "memory: 4.00 GiB asked for, a job has 1.00 GiB here; ...", options marked; empty when nothing beyond the share is
-// asked for. What is asked for are bounds: less than that is no other result, so that the job is taken, and told.
+// Describes what is asked for beyond the share, with marks for options: "memory: 4.00 GiB asked for, a job has 1.00 GiB
+// here; ..."; empty when nothing is. Threads and memory are upper bounds, and less of them gives the same result. So
+// the job is accepted, with this message.
 std::string beyond_share(const proto::Inputs& inputs, const JobShare& share);
 
-// A length, finite and above 0, that the option of this key gives.
+// Checks that `value`, of the option `key`, is a length: finite and above 0.
 Result<double> length_of(const char* key, double value);
-// Of inputs with threads and memory: what is asked for, at most the share.
+// Threads and memory that inputs ask for, at most the share.
 Result<std::uint32_t> threads_of(std::uint32_t asked, const JobShare& share);
 Result<std::uint64_t> memory_of(const std::string& text, const JobShare& share);
 template <class Inputs>

@@ -18,9 +18,9 @@
 namespace tessera {
 namespace {
 
-// Vertices and pixels that a thread reads or writes in a second (docs/terrain.md).
+// The vertices and pixels that a thread reads or writes in a second (docs/terrain.md).
 constexpr double terrain_rate = 2e6;
-// For an estimate, while its caller waits: some tenths of a second.
+// For an estimate, for which a caller waits: some tenths of a second.
 constexpr std::uint64_t cells_looked_at_max = 1'000'000;
 
 void add_surface(const Manifest& manifest, std::uint64_t memory_bytes, unsigned threads, proto::Estimate& estimate) {
@@ -107,7 +107,7 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const Export
                                                       : estimate_export(manifest, output, options);
   if (!bytes) return problem_of(bytes.error());
   estimate.set_result_bytes(bytes.value());
-  if (options.max_edge) return std::nullopt;  // it may leave out most of them
+  if (options.max_edge) return std::nullopt;  // the option may leave out most cells
   return check_disk("output: the export needs some " + human_bytes(bytes.value()) + " of disk; ", bytes.value(), limits,
                     data);
 }

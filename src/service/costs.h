@@ -1,4 +1,4 @@
-// What a triangulation would cost, and whether it may.
+// Estimates what a job would cost, and decides whether it is allowed.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,17 @@
 
 namespace tessera {
 
-// What one job may take, of whatever kind it is: the bound of disk, and what has to stay free.
+// The bounds of one job of any kind: its disk, and what must stay free.
 Ledger::Bounds bounds_of_job(const ServiceLimits& limits, const std::filesystem::path& data);
 
-// The problem of a job that costs too much: 422 for points, memory and disk beyond its limits, 507 for a disk that is
-// full now. `nodes`: what each of a cluster gives a job; none: it is not known. `estimate` is filled in as far as is
-// known, also when the job is refused.
+// Returns a problem when the job costs too much: 422 for points, memory or disk beyond its limits, 507 for a disk that
+// is full now. `nodes` has what each node of a cluster gives a job; empty when unknown. `estimate` is filled in as far
+// as known, also when the job is refused.
 std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& options, const ServiceLimits& limits,
                                           const std::filesystem::path& data, proto::Estimate& estimate,
                                           std::span<const budget::NodeShare> nodes = {});
 
-// The same of a raster, lines or an export of a result, which is in `out`.
+// The same for a raster, for lines, or for an export of a result; `out` is the result's folder.
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOptions& options,
                                           const ServiceLimits& limits, const std::filesystem::path& data,
                                           proto::Estimate& estimate);
@@ -43,15 +43,16 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const Contou
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const ExportOptions& options,
                                           const std::string& output, const ServiceLimits& limits,
                                           const std::filesystem::path& data, proto::Estimate& estimate);
-// The problem of a job that needs so much disk; `needs`: the begin of the sentence, which ends in "; ".
+// Returns a problem when a job that needs so many bytes of disk is not allowed. `needs` is the beginning of the
+// sentence, and ends in "; ".
 std::optional<proto::Problem> check_disk(const std::string& needs, std::uint64_t bytes, const ServiceLimits& limits,
                                          const std::filesystem::path& data);
 
-// Whether one of these files has to be unpacked to be looked into: that is done when the job runs, and not before.
-// Error io for one that cannot be read.
+// True if one of these files must be unpacked before it can be looked into. Files are unpacked only when the job runs.
+// Error io for a file that cannot be read.
 Result<bool> any_packed(const std::vector<std::string>& files);
 
-// How much may be unpacked for one job.
+// The most bytes that may be unpacked for one job.
 std::uint64_t unpacked_max(const ServiceLimits& limits, const std::filesystem::path& data);
 
 }  // namespace tessera

@@ -17,11 +17,11 @@
 namespace tessera {
 namespace {
 
-// Of these folders of earlier daemons some stay, so that none that is slow claims a term twice.
+// Some of the newest of these folders stay, so that a slow daemon cannot claim a term again.
 constexpr std::uint32_t terms_kept = 100;
 
-// A file that only takes room: a daemon that starts on a full disk has that much for a lock, a term and records, and
-// can serve results and be asked to remove some.
+// A file that only reserves room. A daemon that starts on a full disk frees it for a lock, a term and records. Then it
+// can serve results, and remove them when asked to.
 constexpr std::uint64_t reserve_bytes = std::uint64_t{1} << 20;
 
 Status give_back_reserve(const std::filesystem::path& data) {
@@ -29,11 +29,11 @@ Status give_back_reserve(const std::filesystem::path& data) {
   return remove_file(data_reserve_file(data));
 }
 
-// Once there is room again. Without it all goes on.
+// Called when there is room again. Errors are ignored.
 void keep_reserve(const std::filesystem::path& data) {
   const auto there = is_there(data_reserve_file(data));
   if (!there || there.value() || free_bytes(data) < 4 * reserve_bytes) return;
-  std::string bytes(reserve_bytes, '\0');  // that no file system makes smaller
+  std::string bytes(reserve_bytes, '\0');  // random, so that no file system compresses the file
   for (std::size_t i = 0; i + sizeof(std::uint64_t) <= bytes.size(); i += sizeof(std::uint64_t)) {
     const std::uint64_t mixed = mixed_bits(i);
     std::memcpy(bytes.data() + i, &mixed, sizeof mixed);
@@ -51,7 +51,7 @@ Result<std::unique_ptr<DataFolder>> DataFolder::hold(const ServiceOptions& optio
                         .lost = options.lost,
                         .locked = options.locked};
   auto lock = FolderLock::take(options.data, how);
-  // Not usage: it ends by itself, so that to try again is right.
+  // Not usage: the other process ends some time, so trying again makes sense.
   if (!lock) return error(lock.error().code == Errc::usage ? Errc::io : lock.error().code, lock.error().where);
   std::unique_ptr<DataFolder> held(new DataFolder(std::move(lock).value()));
   BOOST_OUTCOME_TRYV(check_data_format(options.data));

@@ -1,4 +1,4 @@
-// The data folder of a service, held: its lock, its term, and the desks over which it is changed.
+// Holds the data folder of a service: its lock, its term, and the staging folders for changes.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,19 @@ struct ServiceOptions;
 
 class DataFolder {
  public:
-  // Makes what is missing, waits for the lock as `options` say, notes the format where there is none, and ends the time
-  // of whoever held the folder before. Errors: corrupt for a folder of a newer version; io, also when another process
-  // is at work in it.
+  // Makes what is missing, waits for the lock as `options` say, writes the format of a new folder, and takes over from
+  // the daemon that held the folder before. Errors: corrupt for a folder of a newer version; io, also when another
+  // process works in the folder.
   static Result<std::unique_ptr<DataFolder>> hold(const ServiceOptions& options);
 
-  // Each daemon that has held the folder has another one, the later the greater.
+  // The number of the daemon that holds the folder; later daemons have higher numbers.
   std::uint64_t term() const { return jobs_->term(); }
-  // Error io when another process holds the folder now, or it is gone.
+  // Error io when another process holds the folder now, or the folder is gone.
   Status still_ours() const { return lock_.check(); }
-  // The same by the clock alone, most of the time: for who asks often.
+  // The same, mostly by the clock alone, for frequent calls.
   Status heard() const { return lock_.heard(); }
-  // For jobs, events and all else; for results, which may be on another disk; for uploads likewise.
+  // The staging folders: for jobs, events and everything else; for results, which may be on another disk; and for
+  // uploads, which may be, too.
   StagingFolder& desk() { return *jobs_; }
   StagingFolder& desk_of_results() { return *results_; }
   StagingFolder& desk_of_uploads() { return *uploads_; }
@@ -36,7 +37,7 @@ class DataFolder {
  private:
   explicit DataFolder(FolderLock lock) : lock_(std::move(lock)) {}
 
-  FolderLock lock_;  // first: the desks ask it
+  FolderLock lock_;  // first, because the staging folders use it
   std::unique_ptr<StagingFolder> jobs_, results_, uploads_;
 };
 

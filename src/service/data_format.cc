@@ -16,7 +16,7 @@
 namespace tessera {
 namespace {
 
-// A higher one for what an older version would misread: never for a new field, which it passes over.
+// To be raised when an older version would misread the folder; not for a new field, which older versions ignore.
 constexpr int newest = 1;
 
 }  // namespace
@@ -44,7 +44,7 @@ Result<std::string> data_identity(const std::filesystem::path& data) {
   if (!there) {
     TemporaryFile temporary(temporary_name_of_process(file));
     BOOST_OUTCOME_TRYV(write_whole(temporary.path(), random_token() + random_token() + "\n"));
-    // The first wins, and all read the same.
+    // The first daemon wins, and all read the same identity.
     if (::link(temporary.path().c_str(), file.c_str()) != 0 && errno != EEXIST)
       return io_error(file, "cannot be made", errno);
   }

@@ -1,4 +1,4 @@
-// Which versions of the service understand a data folder.
+// Decides which versions of the service understand a data folder.
 #pragma once
 
 #include <filesystem>
@@ -7,12 +7,12 @@
 
 namespace tessera {
 
-// Notes the format of `data`, where none is noted yet. Error corrupt for a folder of a newer version, and for a note
-// that is none; io.
+// Checks the format of `data`, and writes it when there is none yet. Errors: corrupt for a folder of a newer version,
+// and for a damaged format file; io.
 Status check_data_format(const std::filesystem::path& data);
 
-// Tells this data folder from any other, on whatever machine it is asked; made by whoever asks first. Errors io,
-// corrupt.
+// The identity of this data folder, which is the same on all machines and differs from that of any other folder. The
+// first call makes it. Errors: io, corrupt.
 Result<std::string> data_identity(const std::filesystem::path& data);
 
 }  // namespace tessera

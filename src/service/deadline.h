@@ -1,4 +1,4 @@
-// The end of what a caller waits for.
+// Limits how long a request may take.
 #pragma once
 
 #include <chrono>
@@ -12,10 +12,10 @@
 
 namespace tessera {
 
-// Stops the work on a ledger when its time is over, with this reason, unless it dies before.
+// Stops the work on a ledger with the reason `over` after `time`, unless the Deadline is destroyed before.
 class Deadline {
  public:
-  // The ledger outlives this.
+  // The ledger must stay valid as long as this object.
   Deadline(Ledger& ledger, std::chrono::seconds time, Error over);
 
  private:
@@ -24,12 +24,13 @@ class Deadline {
   std::jthread timer_;  // the last member: it ends first
 };
 
-// What a request may take whose caller waits for the answer, on the thread that answers it. A job has other bounds.
+// The bounds of a request that is answered while its caller waits, on the thread that answers it. Jobs have other
+// bounds.
 class WhileAnyoneWaits {
  public:
-  // Of `inputs`: names of files that are looked at, matched by a pattern or not.
+  // The most names of files that a request's `inputs` may look at, whether a pattern matches them or not.
   static constexpr std::uint64_t names_max = 100'000;
-  // `gone`: stopped when the caller is not there any more.
+  // A stop of `gone` means that the caller has gone.
   explicit WhileAnyoneWaits(const std::stop_token& gone);
   Ledger& ledger() { return ledger_; }
 
@@ -40,7 +41,7 @@ class WhileAnyoneWaits {
   Ledger::Use use_;
 };
 
-// The time that an answer may take; and what who asked for more is told.
+// The time that an answer may take, and the error of a request that takes longer.
 inline constexpr std::chrono::seconds answer_time{60};
 Error time_is_over(std::chrono::seconds time);
 

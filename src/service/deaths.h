@@ -1,4 +1,4 @@
-// Jobs during which the process died: those that get on all the same are not to blame.
+// Counts deaths of a job's process. Jobs that make progress in spite of deaths are not blamed for them.
 #pragma once
 
 #include <algorithm>
@@ -8,9 +8,9 @@
 
 namespace tessera {
 
-// `done`: tiles of what outlives the process, so far. Whether that is more than any attempt has done, by a hundredth of
-// the job at least: so a job whose process always dies at the same place has its deaths counted, and few are written
-// down.
+// `done` is the number of tiles that are kept when the process dies. Returns true when it exceeds what any attempt has
+// reached by at least a hundredth of the job. So the deaths of a job that always dies at the same place are counted,
+// and few numbers are written to disk.
 inline bool gets_on(const proto::JobRecord& job, std::uint64_t done, std::uint32_t tiles) {
   const bool died = job.deaths() > 0 || job.reached() > 0;
   return died && done >= job.reached() + std::max<std::uint64_t>(1, tiles / 100);

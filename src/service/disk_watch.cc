@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// Of the files below it, as the disk has them. What goes meanwhile counts nothing.
+// The bytes that the files below the folder take on disk. Files that vanish meanwhile count as nothing.
 Result<std::uint64_t> bytes_below(const std::filesystem::path& folder) {
   std::uint64_t bytes = 0;
   std::vector<std::filesystem::path> folders{folder};
@@ -31,7 +31,7 @@ Result<std::uint64_t> bytes_below(const std::filesystem::path& folder) {
       BOOST_OUTCOME_TRY(found, look_at(here / name, FollowLinks::no));
       if (!found) continue;
       if (S_ISDIR(found->st_mode)) folders.push_back(here / name);
-      constexpr std::uint64_t block_bytes = 512;  // of st_blocks, whatever the file system's are
+      constexpr std::uint64_t block_bytes = 512;  // unit of st_blocks on all file systems
       if (S_ISREG(found->st_mode)) bytes += static_cast<std::uint64_t>(found->st_blocks) * block_bytes;
     }
     if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
@@ -50,7 +50,7 @@ DiskWatch::DiskWatch(std::filesystem::path folder, Ledger& ledger)
         std::unique_lock lock(mutex);
         while (!done.stop_requested()) {
           const auto began = steady_clock::now();
-          // What cannot be told now may be the next time; finish() wants to know.
+          // What cannot be measured now may be the next time; finish() reports errors.
           static_cast<void>(look());
           if (!ledger_.go_on()) return;
           constexpr steady_clock::duration least = std::chrono::seconds(1);

@@ -1,4 +1,4 @@
-// What a job's folder holds while others than the job's own thread write into it: nodes, and the engine's threads.
+// Measures a job's folder while nodes and the engine's threads write into it.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,14 @@
 
 namespace tessera {
 
-// Looks now and then, the more seldom the longer a look takes, and draws what it finds from the ledger. So a job can be
-// beyond its bound by what it writes between two looks.
+// Measures the folder from time to time, less often when measuring takes long, and draws the growth from the ledger. So
+// a job can exceed its bound by what it writes between two measurements.
 class DiskWatch {
  public:
-  // Both outlive this. The folder need not be there yet.
+  // Both arguments must stay valid as long as this object. The folder may not exist yet.
   DiskWatch(std::filesystem::path folder, Ledger& ledger);
 
-  // The last look. Error of the ledger; io when the folder cannot be looked at.
+  // Measures the folder for the last time. Errors: those of the ledger; io when the folder cannot be read.
   Status finish();
 
  private:
@@ -24,7 +24,7 @@ class DiskWatch {
 
   const std::filesystem::path folder_;
   Ledger& ledger_;
-  std::jthread thread_;  // last: it uses the others
+  std::jthread thread_;  // last, because it uses the others
 };
 
 }  // namespace tessera

@@ -17,7 +17,7 @@ namespace {
 
 Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
 
-// What both have, into either's options.
+// Reads the options that both have.
 template <class Inputs, class Options>
 Status read_common(const Inputs& inputs, const JobShare& share, Options& options) {
   if (inputs.bbox_size() > 0) {
@@ -90,7 +90,7 @@ Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, cons
 
 namespace {
 
-// Of an option that is text.
+// Reads an option that is text.
 template <class Value>
 Status read(const char* key, Result<Value> parsed, Value& to) {
   if (!parsed) return refuse(key, parsed.error().where);
@@ -102,7 +102,7 @@ Status read(const char* key, Result<Value> parsed, Value& to) {
 
 Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const JobShare& share) {
   SurfaceOptions options;
-  // A track would be a file of this machine, which is not the caller's to read.
+  // A track would be a file of this machine, which the caller must not read.
   if (inputs.has_sensor()) {
     BOOST_OUTCOME_TRYV(read("sensor", parse_sensors(inputs.sensor(), false), options.sensors));
   }
@@ -126,7 +126,7 @@ Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const
     options.trim = longest;
   }
   options.manifold = inputs.manifold();
-  options.smooth = inputs.smoothing();  // "smooth" is another thing of another process
+  options.smooth = inputs.smoothing();  // "smooth" means another option of another process
   if (options.smooth > smooth_rounds_max)
     return refuse("smoothing", "is more than " + std::to_string(smooth_rounds_max) + " rounds");
   options.output.format = inputs.format();

@@ -1,4 +1,4 @@
-// What the processes dem, contours and surface are asked to do, from fields to options.
+// Converts the inputs of the processes dem, contours and surface to options.
 #pragma once
 
 #include "service.pb.h"
@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-// Errors usage, with options marked. `overwrite` is left to the caller.
+// Errors usage, with marks for options. The caller sets `overwrite`.
 Result<DemOptions> dem_options(const proto::DemInputs& inputs, const JobShare& share);
 Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, const JobShare& share);
 Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const JobShare& share);

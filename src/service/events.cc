@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t reserved_at_once = 1'000'000;
-constexpr std::uint64_t number_max = std::uint64_t{1} << 53;  // as JSON tells them
+constexpr std::uint64_t number_max = std::uint64_t{1} << 53;  // largest number that JSON readers keep exactly
 
-// More than the numbers that any daemon has given: a million a second is beyond them all.
+// Greater than all numbers that any daemon has given, unless it gave a million a second.
 std::uint64_t microseconds_since_1970() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(now).count());
@@ -25,8 +25,8 @@ std::uint64_t microseconds_since_1970() {
 
 }  // namespace
 
-// `next` and `before` are the telling thread's; `alive` is guarded by `mutex`, which is held while on_event runs. It is
-// recursive since a listener may leave from inside of on_event.
+// The delivering thread owns `next` and `before`. `mutex` guards `alive`, and is held while on_event runs; it is
+// recursive because a listener may leave inside on_event.
 class Events::Listener {
  public:
   Listener(std::string job, std::uint64_t next, OnEvent on_event)
@@ -63,7 +63,7 @@ Result<std::unique_ptr<Events>> Events::open(fs::path numbers, StagingFolder& de
       tell(events->numbers_.string() + ": holds no number; events are counted on from " + std::to_string(from));
     }
   }
-  // On a full disk numbers go on without, as in tell().
+  // On a full disk numbers go on unreserved, as in tell().
   if (const Status reserved = events->reserve(from); !reserved) {
     tell(reserved.error().where + "; events are numbered without");
     events->reserved_ = from + 1;
@@ -91,8 +91,8 @@ Status Events::reserve(std::uint64_t from) {
 void Events::tell(proto::Event event) {
   {
     const std::lock_guard lock(mutex_);
-    // Ten million jobs' worth of events in one process. On a full disk numbers go on without: only a crash before the
-    // next attempt could give them twice.
+    // Numbers for ten million jobs are reserved at a time. On a full disk numbers go on unreserved: only a crash before
+    // the next attempt could give numbers twice.
     if (next_ >= reserved_ && !reserve(next_)) reserved_ = next_ + 1;
     event.set_id(next_++);
     kept_.push_back(std::make_shared<const proto::Event>(std::move(event)));
@@ -111,7 +111,7 @@ std::shared_ptr<Events::Listener> Events::listen(std::string job, std::uint64_t 
   } else if (last + 1 >= first && last < next_) {
     listener->next = last + 1;
   } else {
-    lock.unlock();  // who makes them may be telling, too
+    lock.unlock();  // the code that makes them may call tell()
     for (auto& event : instead()) {
       event.set_id(first - 1);
       listener->before.push_back(std::make_shared<const proto::Event>(std::move(event)));
@@ -141,7 +141,7 @@ std::size_t Events::listeners() const {
 
 void Events::deliver() {
   name_thread("events");
-  std::uint64_t told = 0;  // all before it is told to those who were there
+  std::uint64_t told = 0;  // everything before it was delivered to those who were there
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [&] { return ending_ || new_listener_ || told < next_; });
@@ -149,7 +149,7 @@ void Events::deliver() {
     new_listener_ = false;
     told = next_;
     const auto listeners = listeners_;
-    // As far back as anybody wants.
+    // The first event that a listener still needs.
     std::uint64_t least = next_;
     for (const auto& listener : listeners) least = std::min(least, listener->next);
     const auto begin = std::lower_bound(kept_.begin(), kept_.end(), least,

@@ -1,4 +1,4 @@
-// What happens to jobs, told to whoever listens, in order: by one thread, while no lock is held.
+// Delivers what happens to jobs to all listeners, in order. One thread calls the listeners, and holds no lock then.
 #pragma once
 
 #include <condition_variable>
@@ -23,22 +23,22 @@ class Events {
   using Shared = std::shared_ptr<const proto::Event>;
   using OnEvent = std::function<void(const Shared&)>;
 
-  static constexpr std::size_t kept_max = 2'000;  // some minutes of a few jobs, 3 MB
+  static constexpr std::size_t kept_max = 2'000;  // some minutes of a few jobs; 3 MB
 
-  // Numbers go on where those of earlier processes ended: `numbers` is the file in which they are set aside, many at
-  // once, written over `desk`. What is wrong with that file is told to `log`, and numbers go on from the time of day,
-  // which is beyond all that were given. Error io.
+  // Numbers continue after those of earlier processes. The file `numbers` reserves many at a time; it is written over
+  // `desk`. If the file is damaged, `log` gets a message, and numbers continue from the time of day in microseconds,
+  // which is beyond all earlier numbers. Error io.
   static Result<std::unique_ptr<Events>> open(std::filesystem::path numbers, StagingFolder& desk,
                                               const std::function<void(const std::string&)>& log);
   ~Events();
   Events(const Events&) = delete;
 
-  // Gives it the next number. Never waits for a listener.
+  // Gives the event the next number and delivers it. Never waits for a listener.
   void tell(proto::Event event);
 
-  // Events after `last`; 0: from now on. Those of one job when `job` is not empty. When events after `last` are not
-  // kept any more, `instead` makes what is told in their place: they get the number before the first that is kept. The
-  // thread that tells calls on_event; when the handle's destructor returns it is not called any more.
+  // Delivers events after number `last`; 0: from now on. Only those of one job, unless `job` is empty. When some events
+  // after `last` are no longer kept, `instead` makes events in their place, which get the number before the first kept
+  // one. The delivering thread calls on_event. No call is made after the handle's destructor has returned.
   class Listener;
   std::shared_ptr<Listener> listen(std::string job, std::uint64_t last, OnEvent on_event,
                                    const std::function<std::vector<proto::Event>()>& instead);

@@ -44,7 +44,7 @@ Result<std::set<std::string>> JobStore::read_forgotten() const {
   auto text = as_text(bytes);
   while (!text.empty()) {
     const auto end = std::min(text.find('\n'), text.size());
-    // A line that was cut short is no id: its job was not forgotten.
+    // A line that was cut off is no id, and its job was not forgotten.
     if (JobIds::is_id(text.substr(0, end))) ids.emplace(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
   }
@@ -71,7 +71,8 @@ Result<JobStore::Loaded> JobStore::load() {
       if (const auto removed = remove_files(folder(name)); !removed) loaded.warnings.push_back(removed.error().where);
       continue;
     }
-    // A record tells that the job is there, whatever the list of forgotten ones says: that may be an older daemon's.
+    // If there is a record, the job exists, whatever the list of forgotten jobs says: the list may be from an older
+    // daemon.
     loaded.forgotten.erase(name);
     auto job = read_record(name);
     if (job) {
@@ -79,7 +80,7 @@ Result<JobStore::Loaded> JobStore::load() {
     } else if (job.error().code == Errc::corrupt) {
       loaded.damaged.emplace_back(name, job.error().where);
     } else {
-      return job.error();  // nobody knows what it holds
+      return job.error();  // the contents are unknown
     }
   }
   if (!loaded.forgotten.empty()) loaded.last_id = std::max(loaded.last_id, *loaded.forgotten.rbegin());
@@ -107,7 +108,7 @@ Status JobStore::add(const proto::JobRecord& job) {
     return new_folders_.sync();
   }();
   if (made) return success();
-  // The first error is the one to tell.
+  // The first error is reported.
   if (const auto removed = remove_files(folder(job.id())); !removed)
     return error(made.error().code, made.error().where + "; and " + removed.error().where);
   return made.error();
@@ -123,7 +124,7 @@ Status JobStore::write_record(const proto::JobRecord& job) {
 
 Status JobStore::forget(const std::string& id) {
   BOOST_OUTCOME_TRYV(desk_.move(folder(id), removed_folder(jobs_folder(data_), id)));
-  // The job is gone. What cannot be done now, as on a full disk, the next load() does.
+  // The job is gone. The rest, if it fails as on a full disk, is done by the next load().
   BOOST_OUTCOME_TRYV(sync_folder(jobs_folder(data_)));
   static_cast<void>(finish_forgetting(id));
   return success();
@@ -134,10 +135,10 @@ Status JobStore::finish_forgetting(const std::string& id) const {
   const auto gone = removed_folder(jobs_folder(data_), id);
   BOOST_OUTCOME_TRYV(remove_files(gone));
   BOOST_OUTCOME_TRY(foreign, is_there(gone, FollowLinks::no));
-  return foreign ? desk_.move(gone, folder(id)) : success();  // somebody else's files stay where they were
+  return foreign ? desk_.move(gone, folder(id)) : success();  // files that are not ours stay in their place
 }
 
-// Of the folder of a job.
+// Removes our files from the folder of a job.
 Status JobStore::remove_files(const fs::path& job) const {
   BOOST_OUTCOME_TRY(there, is_there(job, FollowLinks::no));
   if (!there) return success();
@@ -148,7 +149,7 @@ Status JobStore::remove_files(const fs::path& job) const {
   }
   BOOST_OUTCOME_TRYV(remove_file(job_record_file(job)));
   std::error_code foreign;
-  fs::remove(job, foreign);  // stays when somebody else's files are in it
+  fs::remove(job, foreign);  // fails, as it should, while it has files that are not ours
   return success();
 }
 

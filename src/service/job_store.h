@@ -1,4 +1,5 @@
-// Jobs on disk: a folder for each, whose record is replaced whole. What is not ours is neither touched nor removed.
+// Stores jobs on disk: a folder for each job, whose record is replaced as a whole. Files that are not ours are neither
+// changed nor removed.
 #pragma once
 
 #include <cstdint>
@@ -18,31 +19,32 @@ namespace tessera {
 
 class JobStore {
  public:
-  // `desk`: of the data folder; every change passes over it.
+  // `desk` is the staging folder of the data folder; every change passes through it.
   JobStore(std::filesystem::path data, StagingFolder& desk);
 
   struct Loaded {
     std::vector<proto::JobRecord> jobs;  // by id
-    // Id, and what is wrong with the record: what is there stays, and is told of.
+    // Ids of jobs with damaged records, and what is wrong. Their files are kept, and the jobs are reported.
     std::vector<std::pair<std::string, std::string>> damaged;
     std::set<std::string> forgotten;    // ids of jobs that were removed
-    std::vector<std::string> warnings;  // sentences: what is there and cannot be read; it stays
-    std::string last_id;                // the greatest that there ever was
+    std::vector<std::string> warnings;  // sentences about files that cannot be read; they stay
+    std::string last_id;                // the greatest id that there ever was
   };
-  // Also removes what a process that was killed has left: folders of jobs that were never accepted, or are forgotten.
+  // Loads all jobs. Also removes what a killed process has left: folders of jobs that were never accepted or are
+  // forgotten.
   Result<Loaded> load();
 
-  // On disk, for good, when this returns without error: then, and only then, a job is accepted. Without it nothing is
-  // left of a new job. Syncs its record and its folder, and with all that are added at the same time the folder of
-  // jobs. Safe to call from several threads for different jobs, also beside all else.
+  // Adds a job. A return without error means that the job is safely on disk; only then is it accepted. After an error
+  // nothing is left of the job. Syncs the job's record and folder; calls at the same time share the sync of the folder
+  // of jobs. Safe to call from several threads for different jobs, also beside all other functions.
   Status add(const proto::JobRecord& job);
   Status replace(const proto::JobRecord& job);
-  // Its id stays in the list of forgotten ones; on a full disk from the next load() on.
+  // Removes a job. Its id stays in the list of forgotten jobs; if the disk is full, it is added at the next load().
   Status forget(const std::string& id);
 
-  // A line for people, with the time. What cannot be written is lost: a full disk ends no job.
+  // Adds a line with the time to the job's log. Errors are ignored, because a full disk must not end a job.
   void log(const std::string& id, std::string_view line) const;
-  // Replaces the outcome: JSON.
+  // Replaces the job's outcome, which is JSON.
   Status write_outcome(const std::string& id, std::string_view json);
 
   std::filesystem::path folder(const std::string& id) const;

@@ -19,12 +19,12 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
-using Json = nlohmann::json;  // sorted: the ordered one looks through all keys for each that comes
+using Json = nlohmann::json;  // sorted: the ordered type searches all keys for each new one
 using Type = FieldDescriptor::CppType;
 
 constexpr int nested_max = 32;
 
-// Written as it is read from the message: a tree between costs several times as much as all the rest.
+// Writes text directly from the message: a tree in between takes several times as long as all the rest.
 class Writer {
  public:
   void write(const Message& message) {
@@ -56,7 +56,7 @@ class Writer {
   std::string take() { return std::move(text_); }
 
  private:
-  // `at`: which of a list; -1 for a field that is none.
+  // `at` is the index in a list; -1 for a field that is not repeated.
   void write(const Message& message, const Reflection& of, const FieldDescriptor& field, int at) {
     const bool list = at >= 0;
     switch (field.cpp_type()) {
@@ -93,7 +93,7 @@ class Writer {
     text_.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
   }
 
-  // The shortest that is read back as the same; what is no number is null.
+  // The shortest digits that are read back as the same number; null for a number that is not finite.
   template <class Real>
   void write_real(Real number) {
     if (!std::isfinite(number)) {
@@ -173,7 +173,7 @@ Status read_whole_number(const Json& value, const std::string& place, const Set&
   return success();
 }
 
-// Into the field, or one more of a list.
+// Sets the field, or appends to it if it is repeated.
 Status read_value(const Json& value, const std::string& place, const FieldDescriptor& field, Message& message) {
   const Reflection& of = *message.GetReflection();
   const bool list = field.is_repeated();
@@ -236,7 +236,7 @@ Status read_object(const Json& json, const std::string& place, Message& message)
     const FieldDescriptor* field = field_named(type, name);
     if (field == nullptr) return error(Errc::usage, "'" + here + "' is no field that is known here");
     if (value.is_null()) continue;
-    // Under its other name, or another value of the same oneof.
+    // Given under its other name, or another value of the same oneof.
     const bool given = field->is_repeated() ? of.FieldSize(message, field) > 0
                        : field->real_containing_oneof() != nullptr
                            ? of.HasOneof(message, field->real_containing_oneof())
@@ -291,7 +291,7 @@ Status from_json(std::string_view json, Message& message) {
   try {
     parsed = Json::parse(json);
   } catch (const Json::exception& wrong) {
-    // "[json.exception.parse_error.101] parse error at line 1, column 9: ..."
+    // what() is "[json.exception.parse_error.101] parse error at line 1, column 9: ...".
     const std::string what = wrong.what();
     const auto begin = what.find("] ");
     return error(Errc::usage, "is not JSON: " + as_utf8(begin == std::string::npos ? what : what.substr(begin + 2)));

@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// Records that are no larger than this are left as they are: most are.
+// Smaller records, which are most, are not changed.
 constexpr std::size_t small_bytes = 1 << 10, text_bytes_max = 256;
 
 }  // namespace

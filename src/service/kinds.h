@@ -1,4 +1,4 @@
-// What the processes have in common: what they are called, and what they make of which result.
+// What the processes have in common: their names, what they make, and which result they read.
 #pragma once
 
 #include <optional>
@@ -8,18 +8,18 @@
 
 namespace tessera {
 
-// "triangulate", ...; empty when there are no inputs.
+// The process of the inputs: "triangulate", ...; empty when there are no inputs.
 std::string process_of(const proto::Inputs& inputs);
 
-// Whether it makes a result, whose name is `output`.
+// True if the process makes a result, which is named `output`.
 bool makes_result(const proto::Inputs& inputs);
-// Of one that does: the name that is asked for; may be empty.
+// The requested name of the result that the process makes; may be empty.
 std::string result_output(const proto::Inputs& inputs);
-// Of one that makes a file below a result's exports: its name there.
+// The name of the file that the process makes below a result's exports, if it makes one.
 std::optional<std::string> export_output(const proto::Inputs& inputs);
-// The result that is read; empty for those that read none.
+// The name of the result that the process reads; empty if it reads none.
 std::string result_read(const proto::Inputs& inputs);
-// Whether what stands in its place may be replaced.
+// True if the output may replace an existing one.
 bool overwrites(const proto::Inputs& inputs);
 
 }  // namespace tessera

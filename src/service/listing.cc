@@ -1,4 +1,4 @@
-// What there is to take: what results were made into, and inputs to choose from.
+// Lists what can be downloaded or chosen: the exports of results, and inputs.
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -25,13 +25,13 @@ namespace {
 using std::chrono::system_clock;
 
 constexpr std::uint32_t files_counted = 10'000;  // of an export that is a folder
-constexpr std::chrono::seconds headers_time{5};  // that headers of inputs are read for; the rest comes without
+constexpr std::chrono::seconds headers_time{5};  // for reading headers of inputs; further entries come without
 
 std::string time_of_file(std::int64_t seconds, std::int64_t nanoseconds = 0) {
   return time_text(system_clock::from_time_t(seconds) + std::chrono::milliseconds(nanoseconds / 1'000'000));
 }
 
-// Of a file or a folder, as far as there are not too many. What goes meanwhile is none of it.
+// Adds up a file or a folder, up to a number of files. Files that vanish meanwhile are left out.
 Status measure(const fs::path& path, proto::ExportInfo& into) {
   BOOST_OUTCOME_TRY(status, look_at(path, FollowLinks::no));
   if (!status || into.files() >= files_counted) return success();
@@ -47,7 +47,7 @@ Status measure(const fs::path& path, proto::ExportInfo& into) {
   return success();
 }
 
-// Nothing is told of one that cannot be looked at, or has just gone.
+// Returns false for an export that cannot be read or has just vanished.
 Result<bool> look_at_export(const fs::path& path, proto::ExportInfo& into) {
   BOOST_OUTCOME_TRY(status, look_at(path, FollowLinks::no));
   if (!status || (!S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode))) return false;
@@ -59,11 +59,11 @@ Result<bool> look_at_export(const fs::path& path, proto::ExportInfo& into) {
   return true;
 }
 
-// What the header of a file says. `real`: where the file was found, below one of the roots.
+// Reads the header of a file. `real` is the path of the file, below one of the roots.
 void look_into(const Roots& roots, const fs::path& real, const std::stop_token& stop, proto::InputInfo& into) {
   const auto cloud = Cloud::open({real.string()}, {.dimension = 0}, stop);
   if (!cloud) {
-    into.set_note(printable(roots.named(cloud.error().where)));  // whoever asks need not know where the roots are
+    into.set_note(printable(roots.named(cloud.error().where)));  // callers need not know where the roots are
     return;
   }
   for (const FileInfo& file : cloud.value().files()) {
@@ -91,7 +91,7 @@ Reply<proto::ExportList> Service::exports(std::string_view name, std::uint32_t l
     auto all = sorted_names(folder);
     if (!all) return problem_of(all.error());
     names = std::move(all).value();
-    // What is being made or removed has a name that nobody may give.
+    // Files that are being made or removed have names that callers cannot give.
     std::erase_if(names, [](const std::string& each) { return !check_name(each) || is_temporary_name(each); });
   }
   std::map<std::string, std::pair<std::string, std::string>> makers;  // by export: the job that made it last, and how
@@ -127,7 +127,7 @@ Reply<proto::InputList> Service::inputs(std::string_view folder, std::uint32_t l
   WhileAnyoneWaits waited(caller.stop);
   auto entries = impl_->roots.list(std::string(folder));
   if (!entries) return problem_of_inputs(waited.ledger().reason().value_or(entries.error()));
-  // What JSON cannot say no job could name.
+  // A name that JSON cannot hold cannot be an input of a job.
   std::erase_if(entries.value(), [](const RootEntry& each) { return printable(each.name) != each.name; });
   proto::InputList list;
   list.set_folder(std::string(folder));
@@ -144,7 +144,7 @@ Reply<proto::InputList> Service::inputs(std::string_view folder, std::uint32_t l
     info.set_bytes(entry.found.bytes);
     const fs::path unpacked = without_packing(entry.name);
     info.set_format(unpacked.extension().string().substr(1));
-    // What is packed would have to be unpacked.
+    // Packed files would have to be unpacked.
     if (unpacked != fs::path(entry.name) || std::chrono::steady_clock::now() - begun > headers_time) continue;
     look_into(impl_->roots, entry.found.real, waited.ledger().token(), info);
     if (const auto over = waited.ledger().reason()) return problem_of_inputs(*over);

@@ -1,4 +1,4 @@
-// What there is below a folder, by names, and how the names go together.
+// Looks for files below a folder by name, and joins names to paths.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +21,18 @@ struct FoundBeneath {
   std::int64_t modified_s = 0;  // since 1970
 };
 
-// Nothing when nothing is there. Never opened for reading. Errors: usage when it leads out of the root; io.
+// Returns nothing when the file does not exist. Does not open the file for reading. Errors: usage when the path leads
+// out of the root; io.
 Result<std::optional<FoundBeneath>> look_for(const FileHandle& root, const std::string& path);
 
-// Names in a folder below `root`, those that begin with a dot left out. Errors as above; of the thread's ledger, from
-// which each name is drawn.
+// The names in a folder below `root`, without those that begin with a dot. Errors: as look_for(); those of the thread's
+// ledger, from which each name is drawn.
 Result<std::vector<std::string>> names_in(const FileHandle& root, const std::string& folder);
 
 std::string below(const std::string& folder, const std::string& name);
-// Whether one of its parts is "..".
+// True if one of the path's parts is "..".
 bool goes_up(const std::string& path);
-// `path` from `folder` on, when it is absolute and stands below it.
+// `path` relative to `folder`, when it is absolute and below the folder.
 std::optional<std::string> from_folder(const std::string& path, const std::filesystem::path& folder);
 
 }  // namespace tessera

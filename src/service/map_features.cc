@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-// Liang and Barsky's clipping.
+// Clipping by Liang and Barsky.
 bool leg_meets(const Point& a, const Point& b, const Bounds& box) {
   double begin = 0, end = 1;
   for (int axis = 0; axis < 2; ++axis) {
@@ -52,7 +52,7 @@ bool line_meets(std::span<const Point> line, const Bounds& box) {
 
 bool ring_meets(std::span<const Point> ring, const Bounds& box) {
   if (line_meets(ring, box)) return true;
-  // Then the box is all inside, or all outside.
+  // The ring does not meet the sides of the box, so the box is wholly inside or wholly outside.
   bool inside = false;
   for (std::size_t i = 0; i + 1 < ring.size(); ++i) {
     const Point &a = ring[i], &b = ring[i + 1];
@@ -67,7 +67,7 @@ std::vector<Point> dense_ring(std::span<const Point> corners) {
   std::vector<Point> ring;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Point &a = corners[i], &b = corners[(i + 1) % corners.size()];
-    // A hull of many corners is dense as it is.
+    // A hull with many corners is dense enough.
     const int parts = corners.size() > 64 ? 1 : steps;
     for (int k = 0; k < parts; ++k) {
       const double part = static_cast<double>(k) / parts;

@@ -1,4 +1,4 @@
-// Features of maps as GeoJSON, in longitude and latitude or as the result has them.
+// Writes features of maps as GeoJSON, in longitude and latitude or in the result's coordinates.
 #pragma once
 
 #include <cstdint>
@@ -14,40 +14,40 @@
 
 namespace tessera {
 
-// Whether a line, or the area of a ring whose last point is the first again, and a closed box have a point in common.
+// True if a line, or the area of a ring whose last point is the first, has a point in common with a closed box.
 bool line_meets(std::span<const Point> line, const Bounds& box);
 bool ring_meets(std::span<const Point> ring, const Bounds& box);
 
-// With points between its corners, so that its sides go where those on the ground do; closed.
+// Returns a closed ring with points between the corners, so that its sides follow those on the ground when projected.
 std::vector<Point> dense_ring(std::span<const Point> corners);
 
-// In which systems features are told, and a box of them is asked for.
+// The coordinate systems of the features in the answer, and of the box in the question.
 struct MapForm {
-  bool stored = false, stored_box = false;  // as the result has them; else in longitude and latitude
-  bool swapped = false;                     // what is as the result has it is told, and asked for, with y before x
+  bool stored = false, stored_box = false;  // in the result's coordinates; else in longitude and latitude
+  bool swapped = false;                     // the result's coordinates are written, and expected, with y before x
 };
 
-// A page of features.
+// Collects a page of features.
 class FeaturePage {
  public:
-  // At most `limit` of those that meet `box`, if there is one: x before y, whatever the form.
+  // Collects at most `limit` features that meet `box`, if there is one. The box has x before y, whatever `form` says.
   FeaturePage(const LonLat& places, const std::optional<Bounds>& box, std::uint64_t limit, MapForm form)
       : places_(places), box_(box), form_(form), limit_(limit) {}
 
   enum class Kind : bool { ring, line };
-  // False: it belongs to the next page, and nothing more is wanted. `points` in the coordinates of the result; `third`:
-  // the third coordinate of all, if they have one.
+  // Adds a feature. Returns false when it belongs to the next page; then no more features are needed. `points` are in
+  // the result's coordinates; `third` is the third coordinate of all points, if they have one.
   Result<bool> add(std::uint64_t id, const nlohmann::ordered_json& properties, Kind kind, std::vector<Point> points,
                    std::optional<double> third = {});
 
   std::uint64_t count() const { return count_; }
-  std::uint64_t last() const { return last_; }  // the id of the last one. REQUIRES: there is one
+  std::uint64_t last() const { return last_; }  // id of the last feature. REQUIRES: there is one
   bool full() const { return full_; }
-  // The features, with commas between.
+  // Returns the features, separated by commas.
   std::string take() { return std::move(text_); }
 
  private:
-  static constexpr std::uint64_t points_max = 500'000;  // of a page; one feature may have more
+  static constexpr std::uint64_t points_max = 500'000;  // of a page; a single feature may have more
 
   const LonLat& places_;
   std::optional<Bounds> box_;

@@ -1,5 +1,5 @@
-// Who made what: the name of a token, kept beside an export or an upload for as long as it is there, whatever is still
-// known of the job. That of a result is in its manifest (Results::maker).
+// Keeps the owner of each export and upload: the name of the token, in a file beside it, also when the job is
+// forgotten. The owner of a result is in its manifest (Results::maker).
 #pragma once
 
 #include <filesystem>
@@ -11,14 +11,14 @@
 
 namespace tessera {
 
-// Whether the caller may remove what `owner` has made, and so put something else in its place. Nobody knows the
-// `owner` of what is from before owners were kept: empty.
+// True if the caller may remove what `owner` has made, and so replace it. `owner` is empty when unknown, as for files
+// from before owners were kept.
 bool may_remove(const std::string& owner, const Caller& caller);
 
-// Of the export or upload at `path`; empty when nobody knows. What is kept of one that is gone means nothing: look
-// whether it is there first. Error io.
+// The owner of the export or upload at `path`; empty when unknown. The answer means nothing when there is no file:
+// check that first. Error io.
 Result<std::string> owner_of(const std::filesystem::path& path);
-// Before there is anything at `path`, so that it is never without. Error io.
+// Call this before the file exists, so that the file always has an owner. Error io.
 Status set_owner(StagingFolder& desk, const std::filesystem::path& path, const std::string& owner);
 Status forget_owner(const std::filesystem::path& path);
 

@@ -39,7 +39,7 @@ const char* title_of(int status) {
   }
 }
 
-// io_error() ends with what the system says.
+// io_error() ends with the system's message.
 bool disk_is_full(const Error& error) {
   const auto says = [&](int number) {
     return error.where.find(std::generic_category().message(number)) != std::string::npos;

@@ -1,4 +1,4 @@
-// Errors as RFC 9457 problems.
+// Converts errors to RFC 9457 problems.
 #pragma once
 
 #include <string>
@@ -9,20 +9,21 @@
 
 namespace tessera {
 
-// What an option of the command is called in the messages of proto/service.proto: an OptionName (src/base/option.h).
+// The name of a command's option in the messages of proto/service.proto: an OptionName (src/base/option.h).
 std::string field_name(std::string_view key, std::string_view value);
 
-// `detail`: a sentence; its options are named as fields.
+// `detail` is a sentence, in which options get the names of fields.
 proto::Problem problem(int status, std::string_view detail, Errc cause = Errc::ok);
-// With the HTTP status that belongs to the code: usage 400, bad_input and memory 422, io 500, or 507 when the disk is
-// full, interrupted 410, all else 500.
+// A problem with the HTTP status of the error's code: usage 400, bad_input and memory 422, interrupted 410, io 507 when
+// the disk is full, all others 500.
 proto::Problem problem_of(const Error& error);
-// The same of an error about inputs that a caller has named: what cannot be found or read is 422, no fault of ours.
-// Of a process that is asked for an answer at once, and would take too long.
+// The problem of a process that is asked for an answer at once and would take too long.
 proto::Problem needs_a_job(const std::string& what);
+// As problem_of(), for an error about inputs that a caller has named: an input that is missing or cannot be read is
+// 422, because the service is not at fault.
 proto::Problem problem_of_inputs(const Error& error);
 
-// With the types that OGC API - Processes gives them.
+// Problems with the types that OGC API - Processes defines.
 proto::Problem no_such_job(std::string_view id);
 proto::Problem result_not_ready(std::string_view id, std::string_view state);
 

@@ -21,7 +21,7 @@
 namespace tessera {
 namespace {
 
-// Files of the result are called as the caller knows them, however they were opened (path_of()).
+// Errors name files of the result as the caller knows them, however the files were opened (path_of()).
 Error in_callers_words(Error failed, const std::string& folder, const std::string& name) {
   const std::string handle = "/proc/self/fd/", known = "triangulation '" + name + "'";
   std::string& said = failed.where;
@@ -87,7 +87,7 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
     }
   }();
   if (answer) return std::move(answer).value();
-  // What failed because of it is no damage.
+  // An error that follows from the removal is no damage.
   if (reader.gone.stop_requested())
     return problem(410, "triangulation '" + name + "' was removed while it was asked", Errc::usage);
   if (const auto reason = ledger.reason()) return problem_of(*reason);

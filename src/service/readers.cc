@@ -8,7 +8,7 @@
 namespace tessera {
 
 Result<std::shared_ptr<Reader>> Readers::open(std::string_view name) {
-  // Beside the lock: it reads the disk.
+  // Without the lock, because this reads the disk.
   BOOST_OUTCOME_TRY(held, results_.hold(name));
   const std::string identity = held.identity;
   const auto known = [&]() -> std::shared_ptr<Reader> {
@@ -32,7 +32,7 @@ Result<std::shared_ptr<Reader>> Readers::open(std::string_view name) {
     readers_.push_front(made);
     if (readers_.size() > readers_max) readers_.pop_back();
   }
-  // It may have been removed, and closed, just before it came into the list.
+  // The result may have been removed, and closed, just before it was added to the list.
   const auto now = results_.hold(name);
   if (now && now.value().identity == identity) return made;
   made->gone.request_stop();

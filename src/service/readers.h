@@ -1,4 +1,4 @@
-// Results that are open for questions: a few, those asked last, within a budget of memory.
+// Keeps a few results open for questions, those used last, within a memory budget.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace tessera {
 
-// Its folder stays the one that was opened, whatever is put in its place.
+// An open result. It stays the same result, even when another one gets its name.
 struct Reader {
   std::string name;
   Results::Held held;
@@ -27,17 +27,17 @@ struct Reader {
     std::mutex mutex;
     std::optional<std::vector<Point>> points;
   };
-  std::unique_ptr<Hull> hull = std::make_unique<Hull>();  // once it was asked for
+  std::unique_ptr<Hull> hull = std::make_unique<Hull>();  // set when first asked for
 };
 
 class Readers {
  public:
-  // Each reader has its part of `memory_bytes` for tiles; what questions hold at once comes on top.
+  // Each reader gets its part of `memory_bytes` for tiles; what running questions hold comes on top.
   Readers(Results& results, std::uint64_t memory_bytes) : results_(results), memory_bytes_(memory_bytes) {}
 
-  // The result that has this name now. Errors: those of Results::hold() and StoredTriangulation::open().
+  // Opens the result that has this name now. Errors: those of Results::hold() and StoredTriangulation::open().
   Result<std::shared_ptr<Reader>> open(std::string_view name);
-  // Whoever still asks it is stopped, and its memory is given back then.
+  // Stops the questions that still use the result; then its memory is freed.
   void close(std::string_view name);
   std::size_t count() const;
 
@@ -47,7 +47,7 @@ class Readers {
   Results& results_;
   const std::uint64_t memory_bytes_;
   mutable std::mutex mutex_;
-  std::list<std::shared_ptr<Reader>> readers_;  // the last asked first
+  std::list<std::shared_ptr<Reader>> readers_;  // the most recently used first
 };
 
 }  // namespace tessera

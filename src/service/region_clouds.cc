@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-// The file as it is now.
+// The current state of the file.
 Result<std::string> state_of(const std::string& file) {
   BOOST_OUTCOME_TRY(found, look_at(file));
   if (!found) return file + "\nmissing\n";
@@ -44,9 +44,9 @@ Result<RegionClouds::Lent> RegionClouds::lend(const std::vector<std::string>& fi
 
 void RegionClouds::give_back(Lent lent) {
   lent.cloud.regions->forget(memory_bytes_);
-  std::list<Lent> gone;  // freed beside the lock
+  std::list<Lent> gone;  // freed without the lock
   const std::lock_guard lock(mutex_);
-  // Another's, that was opened while this one was lent, has nothing that it has not.
+  // A cloud that another job opened meanwhile has no more than this one.
   for (auto at = clouds_.begin(); at != clouds_.end();) {
     const auto next = std::next(at);
     if (at->key == lent.key) gone.splice(gone.end(), clouds_, at);

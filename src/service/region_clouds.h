@@ -1,4 +1,4 @@
-// Clouds of which regions were asked. What was read of one for a region is there for the next, of whatever job.
+// Keeps clouds for regions. What was read of a cloud for one region is reused for the next, in any job.
 #pragma once
 
 #include <cstddef>
@@ -15,21 +15,22 @@
 
 namespace tessera {
 
-// Safe from any thread.
+// Thread-safe.
 class RegionClouds {
  public:
-  // Bytes of points that are kept while nobody asks for regions.
+  // `memory_bytes` bounds the points that are kept while no job uses them.
   explicit RegionClouds(std::uint64_t memory_bytes) : memory_bytes_(memory_bytes) {}
 
   struct Lent {
     std::string key;
     RegionCloud cloud;
   };
-  // The cloud of these files, opened now if it is not at hand: with other options, or files that were changed since, it
-  // is another one. It is the borrower's alone; who asks meanwhile gets one of its own. Errors: of open_regions().
+  // Returns the cloud of these files, and opens it if it is not kept. A cloud with other options, or with files that
+  // have changed, is another cloud. The borrower has the cloud alone; a second borrower gets a copy of its own. Errors:
+  // those of open_regions().
   Result<Lent> lend(const std::vector<std::string>& files, const RegionJobOptions& options, const std::string& words,
                     const std::stop_token& stop);
-  // After it was asked without an error. What does not fit goes, that which was used longest ago first.
+  // Returns a cloud after it was used without error. Clouds that do not fit are dropped, the least recently used first.
   void give_back(Lent lent);
 
   std::uint64_t bytes() const;
@@ -39,7 +40,7 @@ class RegionClouds {
 
   const std::uint64_t memory_bytes_;
   mutable std::mutex mutex_;
-  std::list<Lent> clouds_;  // the last asked first
+  std::list<Lent> clouds_;  // the most recently used first
 };
 
 }  // namespace tessera

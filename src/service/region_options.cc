@@ -1,4 +1,4 @@
-// What the process region is asked to do.
+// Converts the inputs of the process region to options.
 #include <cmath>
 #include <limits>
 #include <span>

@@ -27,7 +27,7 @@ namespace {
 constexpr const char* program = "tesserad";
 constexpr std::size_t manifests_max = 16;
 
-// Of a file that is replaced by renaming alone: another content is another file.
+// The identity of a file that is only replaced by renaming: other contents mean another file.
 std::string identity(const struct stat& status) {
   const std::uint64_t parts[] = {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
                                  static_cast<std::uint64_t>(status.st_mtim.tv_sec),
@@ -35,7 +35,7 @@ std::string identity(const struct stat& status) {
   return checksum_text(checksum(std::as_bytes(std::span(parts))));
 }
 
-// The checksum in the manifest; empty when it has none of this file.
+// The file's checksum in the manifest; empty when the manifest has none.
 std::string checksum_in(const Manifest& manifest, const fs::path& path) {
   if (path == master_file("")) return checksum_text(manifest.master_xxh3);
   if (path == duplicates_file("")) return checksum_text(manifest.duplicates_xxh3);
@@ -44,7 +44,7 @@ std::string checksum_in(const Manifest& manifest, const fs::path& path) {
   return "";
 }
 
-// Whether a path in a result is for others to read.
+// True if clients may read this path in a result.
 bool is_served(const fs::path& path) {
   if (path.empty() || path.is_absolute()) return false;
   for (const auto& part : path)
@@ -69,7 +69,7 @@ Result<std::vector<std::string>> Results::names() const {
   BOOST_OUTCOME_TRY(names, sorted_names(results_));
   std::vector<std::string> results;
   for (const auto& name : names) {
-    // One that cannot be looked at is listed: whoever asks for it hears why.
+    // A result that cannot be read is listed: requests for it report why.
     const auto there = exists(name);
     if (!there || there.value()) results.push_back(name);
   }
@@ -98,7 +98,7 @@ Result<Results::Maker> Results::maker(std::string_view name) {
   if (!found && found.error().code == Errc::io) return found.error();
   if (!found) return Maker{};
   const auto& command = found.value()->command;
-  // Older ones end with the job.
+  // Older commands end with the job.
   if ((command.size() != 3 && command.size() != 4) || command.front() != program) return Maker{};
   return Maker{command[2], command.size() == 4 ? command[3] : ""};
 }

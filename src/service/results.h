@@ -1,5 +1,5 @@
-// The result folders of a data folder: complete ones only. What a job makes stands beside them under a hidden name, and
-// is renamed when it is whole.
+// The result folders of a data folder: complete results only. A job makes its result beside them under a hidden name,
+// and renames it when it is complete.
 #pragma once
 
 #include <cstdint>
@@ -25,65 +25,66 @@ namespace tessera {
 
 class Results {
  public:
-  // `desk`: of the results of the data folder; every change passes over it.
+  // `desk` is the staging folder of the results; every change passes through it.
   Results(const std::filesystem::path& data, StagingFolder& desk);
-  // Makes the folder, and removes what was being removed or made for jobs that are not among `jobs`. What of it is not
-  // ours stays.
+  // Makes the folder. Removes what was half removed, and what was made for jobs that are not among `jobs`. Files that
+  // are not ours stay.
   Status open(const std::set<std::string>& jobs);
 
   std::filesystem::path folder(std::string_view name) const;
-  // Where the job makes its triangulation, or what it exports: on the same file system.
+  // Where the job makes its triangulation or its export, on the same file system.
   std::filesystem::path unfinished(const std::string& job) const;
   std::filesystem::path unfinished_export(std::string_view name, const std::string& job) const;
 
-  // False also for what can be no name. Error io, here and below.
+  // Also false for an invalid name. Error io, here and below.
   Result<bool> exists(std::string_view name) const;
   Result<bool> export_exists(std::string_view name, const std::string& file) const;
-  // The command in the manifest of what this job makes; by it a result is known to be the job's, and its owner's, even
-  // when nothing is known of the job any more.
+  // The command in the manifest of this job's result. It tells the job and the owner of a result, even when the job is
+  // forgotten.
   static std::vector<std::string> command_of(const proto::JobRecord& job);
   struct Maker {
     std::string job, owner;  // empty when the manifest does not say, or is damaged
   };
   Result<Maker> maker(std::string_view name);
   Result<bool> made_by(std::string_view name, const std::string& job);
-  // Whether the job's folder has become the result already: before a crash.
+  // True if the job's folder has become the result already, before a crash.
   Result<bool> is_published(const std::string& job, std::string_view name);
 
-  // The job's folder becomes the result; for one that stood there before, what is to be given to discard(). Error usage
-  // when one stands there that may not be replaced.
+  // Makes the job's folder the result. Returns the folder of the replaced result, for discard(). Error usage when a
+  // result exists that may not be replaced.
   Result<std::filesystem::path> publish(const std::string& job, const std::string& name, bool overwrite);
 
-  // What the job has made, and did not publish, is gone: its unfinished folder, or that of an export of
-  // `exported_from`, there with all but the folder or file `but`.
+  // Removes what the job has made and not published: its unfinished folder, or that of an export of `exported_from`; of
+  // the latter all but the folder or file `but`.
   Status drop_unfinished(const std::string& job);
   Status drop_unfinished_export(std::string_view exported_from, const std::string& job,
                                 const std::filesystem::path& but = {});
 
   Status remove_export(std::string_view name, const std::string& file);
-  // Empty when nobody knows. Error io.
+  // The owner of an export; empty when unknown. Error io.
   Result<std::string> export_owner(std::string_view name, const std::string& file) const;
-  // What the job has made beside its output replaces only what was its owner's, or of one piece with what stood in the
-  // output's place. Error usage.
+  // Moves the job's export to its place. Files that the job has made beside its output may replace only files of its
+  // owner, or files that belonged to the replaced output. Error usage.
   Status publish_export(const proto::JobRecord& job);
-  // The result is gone; its files are, once what this returns is given to discard(), which takes its time. Error io.
+  // Removes the result from its place. Returns a folder for discard(), which removes the files and may take long. Error
+  // io.
   Result<std::filesystem::path> take_away(std::string_view name);
   static Status discard(const std::filesystem::path& folder);
 
   Result<std::vector<std::string>> names() const;  // sorted
   Reply<proto::TriangulationInfo> info(std::string_view name);
   Reply<ServedFile> file(std::string_view name, std::string_view path);
-  // Error io when there is none, corrupt.
+  // Errors: io when there is no such result; corrupt.
   Result<std::shared_ptr<const Manifest>> manifest(std::string_view name);
 
   struct Held {
-    FileHandle folder;  // the result cannot be exchanged for another behind it
+    FileHandle folder;  // open: another result cannot take its place
     std::shared_ptr<const Manifest> manifest;
-    std::string identity;  // another result under the same name has another
+    std::string identity;  // differs from that of any other result of the same name
     std::string created;
   };
   Result<Held> hold(std::string_view name);
-  // Nothing when there is no such result.
+  // Returns nothing when there is no such result.
   Result<std::optional<Held>> find(std::string_view name);
 
  private:
@@ -91,14 +92,14 @@ class Results {
 
   std::filesystem::path results_;
   StagingFolder& desk_;
-  // Manifests are large where there are many tiles: those asked for last, by what identifies the file.
+  // Manifests with many tiles are large: keeps those used last, by the identity of the file.
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Manifest>> manifests_;
 };
 
-// By the ending; what a browser would run is none of it.
+// The media type of a file's ending; never one that a browser would execute.
 std::string media_type_of(const std::filesystem::path& path);
-// A file that is open and regular, to be sent; `etag` without quotes.
+// Makes an answer of an open regular file; `etag` has no quotes.
 Result<ServedFile> served(FileHandle file, const std::filesystem::path& path, const std::string& type,
                           std::string etag);
 

@@ -1,4 +1,4 @@
-// What becomes of result folders: made, replaced, removed; all of it over the desk.
+// Changes of result folders: making, replacing and removing, all through the staging folder.
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -17,7 +17,7 @@ namespace tessera {
 namespace fs = std::filesystem;
 namespace {
 
-// What is ours in a result folder that nobody finds any more; the folder, too, when nothing else is in it.
+// Removes our files from a result folder that has lost its name, and the folder when it is empty then.
 Status remove_result(const fs::path& folder) {
   BOOST_OUTCOME_TRYV(remove_file(manifest_file(folder)));
   BOOST_OUTCOME_TRYV(remove_whole(exports_folder(folder)));
@@ -39,7 +39,7 @@ Status remove_result(const fs::path& folder) {
       BOOST_OUTCOME_TRYV(remove_whole(folder / name));
     }
   }
-  std::error_code foreign;  // files keep their folders
+  std::error_code foreign;  // folders that still have files stay
   fs::remove(tiles_folder(folder), foreign);
   fs::remove(folder, foreign);
   return success();
@@ -49,7 +49,7 @@ Status remove_result(const fs::path& folder) {
 
 Status Results::open(const std::set<std::string>& jobs) {
   BOOST_OUTCOME_TRYV(make_directories(results_));
-  // `remove`: of what has the name of something that is being removed.
+  // `remove` is called for entries with the name of a folder that is being removed.
   const auto clear = [&](const fs::path& folder, Status (*remove)(const fs::path&)) -> Status {
     BOOST_OUTCOME_TRY(names, sorted_names(folder));
     for (const auto& name : names) {
@@ -81,14 +81,14 @@ Result<bool> Results::is_published(const std::string& job, std::string_view name
 Result<fs::path> Results::publish(const std::string& job, const std::string& name, bool overwrite) {
   const auto made = unfinished(job);
   BOOST_OUTCOME_TRY(published, is_published(job, name));
-  if (published) return fs::path();  // before a crash
+  if (published) return fs::path();  // published before a crash
   fs::path replaced;
   BOOST_OUTCOME_TRY(anything, is_there(folder(name), FollowLinks::no));
   if (anything) {
     BOOST_OUTCOME_TRY(result, exists(name));
     if (!overwrite || !result)
       return error(Errc::usage, "output: there is something called '" + name + "' already, which is not replaced");
-    // Until the new one stands there, the old one is what a successor puts back.
+    // Until the new result is in its place, a successor would put the old one back.
     BOOST_OUTCOME_TRY(picked_up, desk_.pick_up(folder(name)));
     replaced = std::move(picked_up);
   }
@@ -103,7 +103,7 @@ Result<fs::path> Results::publish(const std::string& job, const std::string& nam
   return gone;
 }
 
-// A new name first, over the desk: a job of that id may be another daemon's by now.
+// Renames through the staging folder first, because another daemon may have a job with this id by now.
 Status Results::drop(const fs::path& folder) {
   BOOST_OUTCOME_TRY(any, is_there(folder, FollowLinks::no));
   if (!any) return success();
@@ -143,7 +143,7 @@ Status Results::publish_export(const proto::JobRecord& job) {
   const auto output = export_output(job.inputs()).value_or("");
   const auto made = unfinished_export(name, job.id());
   const auto to = exports_folder(folder(name));
-  std::set<std::string> replaceable{job.caller()};  // whose
+  std::set<std::string> replaceable{job.caller()};  // owners whose files may be replaced
   BOOST_OUTCOME_TRY(replaced, export_exists(name, output));
   if (replaced) {
     BOOST_OUTCOME_TRY(owner, export_owner(name, output));
@@ -161,7 +161,7 @@ Status Results::publish_export(const proto::JobRecord& job) {
   const auto published = [&]() -> Status {
     for (const auto& file : files) {
       BOOST_OUTCOME_TRY(in_the_way, is_folder(to / file, FollowLinks::no));
-      if (in_the_way) {  // cannot be renamed over
+      if (in_the_way) {  // which rename() cannot replace
         BOOST_OUTCOME_TRYV(remove_export(name, file));
       }
       BOOST_OUTCOME_TRYV(set_owner(desk_, to / file, job.caller()));
@@ -170,7 +170,7 @@ Status Results::publish_export(const proto::JobRecord& job) {
     return sync_folder(to);
   }();
   if (!published) {
-    static_cast<void>(desk_.put_down(ours, made));  // else a successor does
+    static_cast<void>(desk_.put_down(ours, made));  // if this fails, a successor does it
     return published;
   }
   return remove_whole(ours);

@@ -34,8 +34,8 @@ Result<FoundBeneath> look_at(const FileHandle& root, const std::string& path) {
   return *std::move(found);
 }
 
-// What a pattern means below a root, in no order; nothing found is nothing wrong. REQUIRES: it goes only down, so that
-// it means each file once at most.
+// The files that a pattern means below a root, in no order; none is no error. REQUIRES: the pattern has no "..", so
+// that it means each file at most once.
 Result<std::vector<std::string>> expand(const FileHandle& root, const std::string& pattern) {
   std::vector<std::string> found{"."};
   for (const auto& part : fs::path(pattern)) {
@@ -50,7 +50,7 @@ Result<std::vector<std::string>> expand(const FileHandle& root, const std::strin
       if (const auto* ledger = Ledger::of_thread()) {
         BOOST_OUTCOME_TRYV(ledger->go_on());
       }
-      // A file where the pattern wants a folder, or one that leads out: neither matches.
+      // A file where the pattern needs a folder, or a folder that leads out, does not match.
       const auto looked = look_for(root, folder);
       if (!looked && looked.error().code != Errc::usage) return looked.error();
       if (!looked || !looked.value() || looked.value()->kind != KindBeneath::folder) continue;
@@ -63,7 +63,7 @@ Result<std::vector<std::string>> expand(const FileHandle& root, const std::strin
   }
   std::vector<std::string> there;
   for (const auto& path : found) {
-    // What the pattern means and the root does not hold is told; what is not there is not meant.
+    // Reports files that the pattern means and that lead out of the root. Missing files are not meant.
     BOOST_OUTCOME_TRY(looked, look_for(root, path));
     if (looked) there.push_back(path);
   }
@@ -74,7 +74,7 @@ Status add_folder(const FileHandle& root, const std::string& folder, bool recurs
   BOOST_OUTCOME_TRY(names, names_in(root, folder));
   for (const auto& name : names) {
     const std::string path = below(folder, name);
-    // Links between folders may go round in a circle, and those that lead out are told when the file is opened.
+    // Does not follow links, which may form circles. A link that leads out is reported when the file is opened.
     const auto plain = open_if_there(root, path, O_PATH | O_DIRECTORY, Links::refused);
     if (!plain && plain.error().code != Errc::usage) return plain.error();
     if (plain && plain.value()) {
@@ -91,12 +91,12 @@ Status add_folder(const FileHandle& root, const std::string& folder, bool recurs
   return success();
 }
 
-// Real paths of the files, sorted by what they were called below the root.
+// The real paths of the files, sorted by their names below the root.
 Result<std::vector<std::string>> files_below(const FileHandle& root, const std::string& input, bool recursive) {
   BOOST_OUTCOME_TRYV(Ledger::draw_files(1));
   std::vector<std::string> paths{input.empty() ? "." : input};
   bool pattern = has_pattern(input);
-  if (pattern) {  // a name may hold the characters of one
+  if (pattern) {  // a file name may hold the characters of a pattern
     const auto named = look_for(root, input);
     if (!named && named.error().code != Errc::usage) return named.error();
     pattern = !named || !named.value();
@@ -147,7 +147,7 @@ Status check_apart(const fs::path& data, const std::vector<fs::path>& roots) {
     return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
   };
   std::error_code missing;
-  const auto real_data = fs::weakly_canonical(data, missing);  // it is made later, when all else fits
+  const auto real_data = fs::weakly_canonical(data, missing);  // it is made later, when everything else is valid
   if (missing) return io_error(data, "cannot be looked at", missing.value());
   for (const auto& root : roots) {
     const auto real = fs::canonical(root, missing);
@@ -177,7 +177,7 @@ std::string Roots::named(std::string sentence) const {
     const std::string begin = folder.string() == "/" ? "/" : folder.string() + "/";
     const auto in_word = [](char c) { return c != ' ' && c != '\'' && c != '"' && c != '(' && c != ':'; };
     for (auto at = sentence.find(begin); at != sentence.npos; at = sentence.find(begin, at + name.size())) {
-      if (at > 0 && in_word(sentence[at - 1])) {  // the same below another folder
+      if (at > 0 && in_word(sentence[at - 1])) {  // the same path below another folder
         ++at;
         continue;
       }

@@ -1,4 +1,4 @@
-// The folders in which inputs may lie, and the files in them that a job's inputs mean.
+// The folders that may hold inputs, and the files in them that a job's inputs mean.
 #pragma once
 
 #include <filesystem>
@@ -11,35 +11,36 @@
 
 namespace tessera {
 
-// In a folder below a root: what a job may name.
+// An entry of a folder below a root, which a job may name.
 struct RootEntry {
-  std::string name;  // that means it as an input: files() finds this one
+  std::string name;  // its name as an input: files() finds this entry by it
   FoundBeneath found;
 };
 
-// Error usage when the data folder and a folder of inputs lie in one another: jobs could read what belongs to others,
-// and remove what they were given. A root that is not there is left to who opens it. Error io.
+// Error usage when the data folder and a folder of inputs contain each other: jobs could then read files of other
+// callers, and remove their own inputs. A root that does not exist is reported when it is opened. Error io.
 Status check_apart(const std::filesystem::path& data, const std::vector<std::filesystem::path>& roots);
 
 class Roots {
  public:
-  // `uploads` is the folder of uploads, or empty when none are taken. Error io for one that is no folder.
+  // `uploads` is the folder of uploads, or empty when uploads are off. Error io for a root that is no folder.
   static Result<Roots> open(const std::vector<std::filesystem::path>& roots, const std::filesystem::path& uploads);
 
-  // The files that these inputs mean, as find_inputs() (src/input/cloud) orders them: files, folders and patterns,
-  // absolute or from a root on (the first in which they are found), or "upload:NAME/FILE". Each was opened below its
-  // root, is a regular file, and is given by its real path, once. Errors: usage for one that leads out of the roots,
-  // for a pattern with "..", for standard input and for addresses; io for one that is not there; of the thread's ledger
-  // (src/base/ledger.h), from which each name that is looked at is drawn.
+  // The files that these inputs mean, in the order of find_inputs() (src/input/cloud). Inputs are files, folders and
+  // patterns, absolute or relative to a root (the first root in which they are found), or "upload:NAME/FILE". Each file
+  // was opened below its root and is a regular file; its real path is returned, once. Errors: usage for an input that
+  // leads out of the roots, for a pattern with "..", for standard input and for addresses; io for a missing file; those
+  // of the thread's ledger (src/base/ledger.h), from which each name that is looked at is drawn.
   Result<std::vector<std::string>> files(const std::vector<std::string>& inputs, bool recursive) const;
 
-  // A sentence with the files in these folders named as callers name them: from the root on, or "upload:NAME/FILE".
+  // The sentence with the files in these folders named as callers name them: relative to the root, or
+  // "upload:NAME/FILE".
   std::string named(std::string sentence) const;
 
-  // What a folder holds, sorted by name: files whose name is that of a format we read, and folders that are no results,
-  // hidden ones left out, and what leads out of the roots. "": of all roots, and the folders of uploads. Nothing is
-  // opened for reading but the folder. Errors: usage for one that leads out of the roots, for "..", and for one that is
-  // no folder or not there; of the thread's ledger.
+  // The entries of a folder, sorted by name: files with the ending of a point format, and folders that are no results;
+  // no hidden ones, and none that lead out of the roots. "" lists all roots and the folders of uploads. Only the folder
+  // is opened for reading. Errors: usage for a folder that leads out of the roots, for "..", and for one that is
+  // missing or no folder; those of the thread's ledger.
   Result<std::vector<RootEntry>> list(const std::string& folder) const;
 
  private:
@@ -53,7 +54,7 @@ class Roots {
                             std::vector<RootEntry>& entries);
 
   std::vector<Root> roots_;
-  std::vector<Root> uploads_;  // one or none
+  std::vector<Root> uploads_;  // at most one
 };
 
 }  // namespace tessera

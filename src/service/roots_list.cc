@@ -1,4 +1,4 @@
-// What there is to choose from.
+// Lists the entries from which inputs can be chosen.
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -19,7 +19,7 @@ Error no_folder(const std::string& folder) {
   return error(Errc::usage, "folder: '" + folder + "' is no folder that is below those configured for inputs");
 }
 
-// "a/b" of "./a//b/", "." of "".
+// "a/b" for "./a//b/", "." for "".
 std::string tidy(const std::string& folder) {
   std::string path = std::filesystem::path(folder).lexically_normal().string();
   while (path.size() > 1 && path.ends_with('/')) path.pop_back();
@@ -28,7 +28,7 @@ std::string tidy(const std::string& folder) {
 
 }  // namespace
 
-// `begin`: what stands before names in the folder.
+// `begin` is the prefix of names in the folder.
 Status Roots::add_entries(const Root& root, const std::string& folder, const std::string& begin,
                           std::vector<RootEntry>& entries) {
   BOOST_OUTCOME_TRY(names, names_in(root.folder, folder));
@@ -37,7 +37,7 @@ Status Roots::add_entries(const Root& root, const std::string& folder, const std
       BOOST_OUTCOME_TRYV(ledger->go_on());
     }
     const auto found = look_for(root.folder, below(folder, name));
-    // Of a link that leads out nobody hears; what has just gone, or may not be looked at, is not offered.
+    // Links that lead out are left out, and so are entries that vanished or cannot be read.
     if (!found || !found.value()) continue;
     const FoundBeneath& one = *found.value();
     if (one.kind == KindBeneath::other || (one.kind == KindBeneath::file && !has_point_file_name(name))) continue;
@@ -73,7 +73,7 @@ Result<std::vector<RootEntry>> Roots::list(const std::string& folder) const {
     if (uploaded) begin = std::string(uploads) + begin;
     BOOST_OUTCOME_TRYV(add_entries(root, *path, begin, here));
     for (auto& entry : here) {
-      // Of what several roots have by one name the first one's is meant; folders of one name are one.
+      // If several roots have files of the same name, the first is meant. Folders of the same name count as one.
       const bool there = !names.insert(entry.name).second;
       if (there && entry.found.kind == KindBeneath::folder) continue;
       if (there) entry.name = (root.given / below(*path, entry.name.substr(begin.size()))).lexically_normal().string();

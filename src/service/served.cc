@@ -1,4 +1,4 @@
-// Files as they are sent.
+// Prepares files for sending.
 #include <fcntl.h>
 #include <sys/stat.h>
 

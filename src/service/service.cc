@@ -27,14 +27,14 @@ using std::chrono::system_clock;
 
 constexpr std::chrono::milliseconds tick_time{500};
 constexpr std::chrono::seconds retention_time{60};
-constexpr std::chrono::hours part_time{24};  // of uploads: nobody goes on sending what has lain so long
+constexpr std::chrono::hours part_time{24};  // for partial uploads: nobody continues one that is this old
 
 JobShare share_of(const ServiceOptions& options) {
   const auto running = std::max(1U, options.limits.running);
   return {(options.threads + running - 1) / running, options.memory_bytes / running};
 }
 
-// Questions come beside the jobs, whose memory is most of what the machine has: an eighth of it on top.
+// Questions use memory in addition to that of jobs, which is most of the machine's: an eighth of it.
 QuestionLimits limits_of_questions(const ServiceOptions& options) {
   return {.memory_bytes = options.memory_bytes / 8, .threads = std::max(1U, options.threads / 2)};
 }
@@ -105,14 +105,14 @@ Status Service::Impl::load() {
   }
   forgotten = {loaded.forgotten.begin(), loaded.forgotten.end()};
   ids.seen(loaded.last_id);
-  // Of jobs whose record cannot be read nothing is removed.
+  // Nothing is removed of jobs whose record cannot be read.
   FolderReader reader(jobs_folder(options.data));
   while (const char* name = reader.next()) known.insert(name);
   if (reader.error()) return io_error(jobs_folder(options.data), "cannot be read", reader.error().value());
   return results.open(known);
 }
 
-// Of a job that was accepted nobody may hear that there is none.
+// An accepted job must not be reported as missing.
 void Service::Impl::add_damaged(const std::string& id, const std::string& why) {
   tell(why);
   auto job = std::make_shared<Job>();
@@ -124,7 +124,8 @@ void Service::Impl::add_damaged(const std::string& id, const std::string& why) {
   jobs[id] = std::move(job);
 }
 
-// Of a job that is still said to run: whoever ran it has died, for a process that ends says that its jobs wait.
+// Recovers a job whose record says that it runs. Its process has died, because a process that ends properly records
+// that its jobs wait.
 void Service::Impl::recover(Job& job) {
   const auto deaths = job.record.deaths() + 1;
   const auto waits = [&](proto::JobRecord& record) {
@@ -144,7 +145,7 @@ void Service::Impl::recover(Job& job) {
     record.set_message(record.problem().detail());
   };
   const auto changed = deaths < options.limits.deaths ? change(job, Need::done, waits) : change(job, Need::done, fails);
-  static_cast<void>(changed);  // Need::done: it is written later if it could not be now
+  static_cast<void>(changed);  // Need::done: if it cannot be written now, it is written later
 }
 
 void Service::Impl::begin() {
@@ -190,7 +191,7 @@ void Service::Impl::tell_progress() {
     event.set_job_id(id);
     event.set_kind("progress");
     *event.mutable_status() = status_of(job);
-    // Only what has changed; the time that is left always does.
+    // Only changes are sent. The remaining and elapsed times, which always change, are not compared.
     proto::StatusInfo compared = event.status();
     compared.clear_eta_s();
     compared.mutable_figures()->clear_elapsed_s();
@@ -210,7 +211,7 @@ void Service::Impl::write_again() {
     for (const auto& id : unwritten) late.push_back(jobs.at(id));
   }
   for (const auto& job : late) {
-    if (!store.replace(job->record)) return;  // the next time
+    if (!store.replace(job->record)) return;  // tried again the next time
     const std::lock_guard lock(mutex);
     unwritten.erase(job->record.id());
   }

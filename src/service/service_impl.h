@@ -1,4 +1,4 @@
-// The inside of Service: its jobs, the threads that work on them, and who may touch what.
+// The implementation of Service: its jobs, the threads that work on them, and the rules of access.
 #pragma once
 
 #include <chrono>
@@ -34,7 +34,7 @@
 
 namespace tessera {
 
-// Of a job that a thread works on.
+// The state of a job while a thread works on it.
 struct Running {
   explicit Running(Ledger::Bounds bounds) : ledger(std::move(bounds)) {}
   Progress progress;
@@ -43,19 +43,19 @@ struct Running {
 
 struct Job {
   proto::JobRecord record;
-  std::shared_ptr<Running> running;  // also of a dismissed job until its thread has let go
-  std::string told;                  // the last progress that was told, as text
-  bool damaged = false;              // its record cannot be read: it can be told of, and forgotten
-  bool arriving = false;             // its record is being written for the first time: only submit() knows of it
+  std::shared_ptr<Running> running;  // also of a dismissed job, until its thread has let go
+  std::string told;                  // the last reported progress, as text
+  bool damaged = false;              // its record cannot be read: the job can be listed and forgotten
+  bool arriving = false;             // its record is being written for the first time: only submit() knows the job
 
   bool is(const char* state) const { return record.state() == state; }
   bool waits_or_runs() const { return is(job_state::accepted) || is(job_state::running); }
 };
 
-// Two locks, in this order: `changing` is held by who changes a job's record, while it is written; `mutex` guards
-// memory, and is never held while anything is written or anybody is called. What is read needs only `mutex`; to change
-// what others read, both. A job that arrives needs only `mutex`: it has its name, place and key at once, and nobody
-// else knows of it before it is on disk. So many can be written at a time.
+// There are two locks, taken in this order. A thread that changes a job's record holds `changing` while the record is
+// written. `mutex` guards memory, and is never held during writes to disk or calls of other objects. Readers need only
+// `mutex`; changes of shared data need both. A new job needs only `mutex`: it gets its id, its place and its key at
+// once, and no other thread knows it before it is on disk. So many new jobs can be written at a time.
 struct Service::Impl {
   Impl(ServiceOptions given, std::unique_ptr<DataFolder> held, Roots opened_roots,
        std::unique_ptr<Events> opened_events, std::unique_ptr<Engine> opened_engine);
@@ -63,7 +63,7 @@ struct Service::Impl {
   Status load();
   void add_damaged(const std::string& id, const std::string& why);
   void recover(Job& job);
-  void begin();  // the threads
+  void begin();  // starts the threads
   void tell(const std::string& line) const {
     if (options.log) options.log(line);
   }
@@ -79,45 +79,47 @@ struct Service::Impl {
   // service.cc
   void tick();
   void tell_progress();
-  // Of running jobs, not stored yet.
+  // Tiles of running jobs that are not stored yet.
   std::map<std::string, std::uint64_t> tiles_by_node();
   void write_again();
-  // Ended jobs: those that are older than the retention, and of each caller those beyond its number.
+  // Forget ended jobs: those older than the retention, and for each caller those beyond the allowed number.
   void forget_old();
   void forget_beyond();
   std::vector<std::shared_ptr<Job>> ended_jobs() const;
   // REQUIRES: `changing` is held.
   void forget_or_tell(const std::shared_ptr<Job>& job);
 
-  // service_jobs.cc. REQUIRES: `changing` is held, for change() and forget(); `mutex` for status_of() and find().
-  enum class Need : bool { written, done };  // or nothing changes; or it changes, and is written as soon as can be
+  // service_jobs.cc. REQUIRES: `changing` is held for change() and forget(); `mutex` for status_of() and find().
+  enum class Need : bool { written, done };  // an error changes nothing; or it changes, and is written later
   Status change(Job& job, Need need, const std::function<void(proto::JobRecord&)>& how);
   Status forget(const std::shared_ptr<Job>& job);
   void log(const std::string& id, const std::string& text);
-  // Of inputs: by the names that callers have for them, not by where they lie on this machine.
+  // Names inputs as callers name them, not by their paths on this machine.
   proto::Problem in_callers_words(proto::Problem problem) const;
   proto::StatusInfo status_of(const Job& job) const;
   Reply<std::shared_ptr<Job>> find(std::string_view id) const;
   void tell_status(const Job& job);
 
   // service_submit.cc
-  // REQUIRES: `mutex` is held. It has an id, a place and its key from here on; nobody is told of it.
+  //
+  // REQUIRES: `mutex` is held. Gives the job an id, a place and its key; no event is sent.
   Reply<std::shared_ptr<Job>> admit(proto::JobRecord record, const Caller& caller);
-  // Once its record is on disk, or could not be written.
+  // Call this when the job's record is on disk, or could not be written.
   Reply<Service::Submitted> welcome(const std::shared_ptr<Job>& job, const Status& added);
   std::optional<proto::Problem> check_inputs(const proto::Inputs& inputs, std::string& triangulation) const;
   std::optional<proto::Problem> check_options(const proto::Inputs& inputs) const;
   Reply<proto::Estimate> costs(const proto::TriangulateInputs& inputs, std::optional<proto::Problem>& refused) const;
   Reply<proto::Estimate> costs(const proto::Inputs& inputs, std::optional<proto::Problem>& refused);
-  // REQUIRES: `mutex` is held. Why it cannot wait or run now beside the others, as far as the caller may have it so.
+  // REQUIRES: `mutex` is held. Why the job cannot wait or run beside the other jobs now, or exceeds the caller's
+  // limits.
   std::optional<proto::Problem> conflict(const proto::JobRecord& job, const Caller& caller);
-  // REQUIRES: `mutex` is held. Why what stands where the job's result or export will be cannot be replaced.
+  // REQUIRES: `mutex` is held. Why an existing result or export cannot be replaced by the job's.
   std::optional<proto::Problem> in_its_place(const proto::JobRecord& job, const Caller& caller);
   // REQUIRES: `lock` is that of `mutex`. Waits for a job with this key that is just arriving.
   std::optional<Service::Submitted> same_as(const proto::Inputs& inputs, const Caller& caller, const std::string& key,
                                             std::unique_lock<std::mutex>& lock, std::optional<proto::Problem>& other);
 
-  // service_results.cc. REQUIRES: `mutex` is held. Of a result: who may remove it; empty when nobody knows.
+  // service_results.cc. REQUIRES: `mutex` is held. The owner of a result, who may remove it; empty when unknown.
   Result<std::string> owner_of_result(const std::string& name);
 
   const ServiceOptions options;
@@ -136,25 +138,25 @@ struct Service::Impl {
 
   std::mutex changing;
   mutable std::mutex mutex;
-  std::condition_variable waiting_changed;  // with `mutex`: something waits, or all is ending
+  std::condition_variable waiting_changed;  // with `mutex`: a job waits, or the service ends
   std::condition_variable arrived;          // with `mutex`: a job has arrived, or could not be written
   std::map<std::string, std::shared_ptr<Job>, std::less<>> jobs;
   std::set<std::string> active;                  // ids of jobs that wait or run, or that a thread still holds
-  std::map<std::uint64_t, std::string> waiting;  // by place
-  std::size_t held = 0;                          // jobs that a thread works on
-  bool held_alone = false;                       // one, beside which none may be
-  std::set<std::string> unwritten;               // whose record is newer than the one on disk
+  std::map<std::uint64_t, std::string> waiting;  // by place in the queue
+  std::size_t held = 0;                          // jobs that threads work on
+  bool held_alone = false;                       // a thread works on a job that must run alone
+  std::set<std::string> unwritten;               // jobs whose record is newer than the one on disk
   std::uint64_t next_place = 1;
   std::map<std::pair<std::string, std::string>, std::string> by_key;  // caller and key: id
   std::set<std::string, std::less<>> forgotten;
   JobIds ids;
-  bool one_has_ended = true;  // since forget_beyond() looked last; with `changing`
+  bool one_has_ended = true;  // since the last forget_beyond(); with `changing`
   bool ending = false;
   Service::Figures since_start;
   std::map<std::string, double> phase_seconds;
   const std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point ticked = std::chrono::steady_clock::now();
-  std::condition_variable tick_now;  // with `mutex`: only at the end
+  std::condition_variable tick_now;  // with `mutex`: signalled only at the end
   std::vector<std::thread> threads;
 };
 

@@ -1,4 +1,4 @@
-// What is asked of jobs once they are accepted.
+// Requests about accepted jobs.
 #include <fcntl.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ void add_progress(const proto::JobRecord& record, const Progress& progress, prot
     }
     status.set_memory_bytes(now.memory_bytes);
     status.set_nodes_lost(progress.nodes_lost);
-  } else if (now.points_total > 0) {  // an export, a region
+  } else if (now.points_total > 0) {  // an export or a region
     part = static_cast<double>(now.points_triangulated) / static_cast<double>(now.points_total);
   }
   status.set_progress(std::clamp(static_cast<int>(std::floor(part * 100)), 0, 99));
@@ -112,7 +112,7 @@ void Service::Impl::log(const std::string& id, const std::string& text) {
   proto::Event event;
   event.set_job_id(id);
   event.set_kind("log");
-  event.set_text(problem(0, line).detail());  // options named as fields, UTF-8
+  event.set_text(problem(0, line).detail());  // options get the names of fields; UTF-8
   event.set_time(time_text(system_clock::now()));
   events->tell(std::move(event));
 }
@@ -129,7 +129,8 @@ Status Service::Impl::change(Job& job, Need need, const std::function<void(proto
   one_has_ended |= changed.state() != job_state::accepted && changed.state() != job_state::running;
   const auto written = store.replace(changed);
   if (!written && need == Need::written) return written.error();
-  // First: who hears of a job's end finds its log whole, and a watcher's stream ends with the status.
+  // First the log: a client that hears of a job's end finds the log complete, and a watcher's stream ends with the
+  // status.
   if (before != changed.state()) {
     const std::string said = changed.state() + (changed.message().empty() ? "" : ": " + changed.message());
     log(changed.id(), said);
@@ -153,7 +154,7 @@ Status Service::Impl::change(Job& job, Need need, const std::function<void(proto
 
 Status Service::Impl::forget(const std::shared_ptr<Job>& job) {
   const proto::JobRecord record = job->record;
-  // First what only this job knows of.
+  // First the files that only this job knows.
   BOOST_OUTCOME_TRYV(results.drop_unfinished(record.id()));
   if (export_output(record.inputs())) {
     BOOST_OUTCOME_TRYV(results.drop_unfinished_export(record.triangulation(), record.id()));
@@ -221,7 +222,7 @@ Reply<proto::StatusInfo> Service::dismiss(std::string_view id, const Caller& cal
     }
     return impl.status_of(*job);
   }
-  // Its thread needs `changing` to let go: one that was dismissed a moment ago is not there yet.
+  // The job's thread needs `changing` to let go; a job that was dismissed a moment ago still has its thread.
   if (job->running) return problem(409, "job " + std::string(id) + " is still stopping: try again", Errc::usage);
   auto last = impl.status_of(*job);
   last.set_message("was removed");

@@ -1,4 +1,4 @@
-// Who works on the jobs: the nodes of a cluster, or this process alone.
+// The nodes that work on the jobs: those of a cluster, or this process alone.
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -83,7 +83,7 @@ Reply<proto::NodeInfo> Service::drain(std::string_view node, const Caller& calle
         409, "node '" + std::string(node) + "': this daemon is no cluster: end it, and its jobs go on when it is back",
         Errc::usage);
   proto::NodeInfo info = *wanted;
-  // The one that was found, for another may have its name.
+  // By id, because another node may have the same name.
   const Result<bool> drained = impl_->engine->drain(info.id());
   if (!drained) return problem(409, drained.error().where, Errc::usage);
   if (!drained.value()) return none();

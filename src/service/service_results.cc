@@ -1,4 +1,4 @@
-// Results, uploads, and how the service is.
+// Results and uploads, and the figures and health of the service.
 #include <fcntl.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ std::optional<proto::Problem> no_uploads(const ServiceOptions& options) {
                  Errc::usage);
 }
 
-// What an export job has written beside what it was told to: the names that stand directly under exports.
+// The names directly below exports of the files that an export job has written beside its output.
 std::set<std::string> exports_in(const std::string& outcome) {
   std::set<std::string> names;
   const auto json = parse_json(outcome);
@@ -49,7 +49,7 @@ Reply<proto::TriangulationList> Service::triangulations(std::uint32_t limit, std
   for (auto name = std::upper_bound(names.begin(), names.end(), after); name != names.end(); ++name) {
     if (static_cast<std::uint32_t>(list.triangulations_size()) >= limit) break;
     auto info = impl_->results.info(*name);
-    if (!info) {  // damaged, or gone since: it must not hide the others
+    if (!info) {  // damaged or gone meanwhile: it must not hide the others
       impl_->tell("triangulation '" + *name + "': " + info.error().detail());
       list.add_triangulations()->set_name(*name);
       continue;
@@ -62,7 +62,7 @@ Reply<proto::TriangulationList> Service::triangulations(std::uint32_t limit, std
 Result<std::string> Service::Impl::owner_of_result(const std::string& name) {
   BOOST_OUTCOME_TRY(maker, results.maker(name));
   if (!maker.owner.empty()) return maker.owner;
-  const auto job = jobs.find(maker.job);  // of a result from before manifests said so
+  const auto job = jobs.find(maker.job);  // results from before manifests had the owner
   return job == jobs.end() ? std::string() : job->second->record.caller();
 }
 
@@ -139,7 +139,7 @@ Reply<void> Service::remove_export(std::string_view name, std::string_view file,
     const auto stands = impl.results.export_exists(name, each);
     if (!stands) return problem_of(stands.error());
     if (!stands.value()) continue;
-    // What the job wrote beside it may have been replaced since.
+    // A file that the job wrote beside it may have been replaced since.
     const auto of_each = impl.results.export_owner(name, each);
     if (!of_each) return problem_of(of_each.error());
     if (of_each.value() != owner.value()) continue;
@@ -175,7 +175,7 @@ Reply<FeatureCollection> Service::collection(std::string_view id) { return impl_
 Reply<std::array<double, 4>> Service::map_extent(std::string_view name) { return impl_->maps.map_extent(name); }
 
 Service::Figures Service::figures() const {
-  // Before the lock: the cluster's coordinator is asked.
+  // Before the lock, because this asks the cluster's coordinator.
   std::vector<std::pair<std::string, std::uint64_t>> nodes{{"joining", 0}, {"free", 1}};
   std::uint64_t lost = 0;
   if (impl_->options.cluster) {
@@ -200,7 +200,8 @@ Service::Figures Service::figures() const {
     figures.memory_used_bytes += progress.memory_bytes;
     figures.bytes_between += progress.bytes_between;
     figures.credit_waits += progress.credit_waits;
-    // In this order: what is sent meanwhile counts as waiting, and the difference is never below 0.
+    // In this order: updates that are sent between the two reads count as waiting, and the difference is never
+    // negative.
     const std::uint64_t processed = progress.updates_processed;
     figures.updates_waiting += std::max(processed, progress.updates_sent.load()) - processed;
   }

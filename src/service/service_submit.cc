@@ -1,4 +1,4 @@
-// How a job is accepted, or why not.
+// Decides whether a job is accepted.
 #include <algorithm>
 #include <exception>
 #include <optional>
@@ -94,7 +94,7 @@ std::optional<proto::Problem> Service::Impl::check_options(const proto::Inputs& 
     case proto::Inputs::kSurface:
       return told(surface_options(inputs.surface(), share));
     default:
-      return std::nullopt;  // of a triangulation they are looked at with its costs
+      return std::nullopt;  // the inputs of a triangulation are checked with its costs
   }
 }
 
@@ -167,7 +167,7 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
   std::uint64_t of_caller = 0, bytes_of_caller = inputs.ByteSizeLong(), queued = waiting.size();
   for (const auto& id : active) {
     const Job& other = *jobs.at(id);
-    // One that has ended works on nothing, even if its thread has yet to let go of it.
+    // An ended job works on nothing, even if its thread has not let go of it yet.
     if (id == job.id() || other.is(job_state::successful) || other.is(job_state::failed)) continue;
     if (other.arriving) ++queued;
     if (other.waits_or_runs() && other.record.caller() == job.caller()) {
@@ -175,7 +175,7 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
       bytes_of_caller += other.record.inputs().ByteSizeLong();
     }
     if (name.empty() || other.record.triangulation() != name) continue;
-    // One that makes a triangulation has it alone; others read it together, but write no export twice.
+    // A job that makes a triangulation must be alone on it. Others may read it together, but not write the same export.
     if (makes_result(inputs) || makes_result(other.record.inputs()))
       return clash("triangulation '" + name + "': job " + id + " works on it");
     if (output && export_output(other.record.inputs()) == output)
@@ -196,7 +196,7 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
 std::optional<proto::Problem> Service::Impl::in_its_place(const proto::JobRecord& job, const Caller& caller) {
   const auto& inputs = job.inputs();
   const auto& name = job.triangulation();
-  // To replace is to remove: who may not do the one may not do the other.
+  // To replace is to remove, so a caller needs the same right for both.
   const auto judge = [&](const std::string& what, const Result<std::string>& owner) -> std::optional<proto::Problem> {
     if (!overwrites(inputs)) return problem(409, "output: " + what + "; overwrite: true replaces it", Errc::usage);
     if (!owner) return problem_of(owner.error());
@@ -287,7 +287,7 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   std::string triangulation;
   std::optional<WhileAnyoneWaits> waited(std::in_place, caller.stop);
   if (const auto bad = impl.check_inputs(inputs, triangulation)) return *bad;
-  // A region's are known when its files were looked into, which the job does.
+  // The costs of a region are known when its files were read, which the job does.
   if (inputs.has_triangulate() || inputs.has_dem() || inputs.has_contours() || inputs.has_export_()) {
     std::optional<proto::Problem> refused;
     BOOST_OUTCOME_TRY(estimate, impl.costs(inputs, refused));
@@ -303,17 +303,17 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   record.set_idempotency_key(key);
   record.set_triangulation(triangulation);
   std::unique_lock lock(impl.mutex);
-  // Somebody may have been as quick.
+  // Another request may have been faster.
   if (const auto same = impl.same_as(inputs, caller, key, lock, other)) return *same;
   if (other) return *other;
-  const std::string beyond = problem(0, beyond_share(inputs, impl.share)).detail();  // options named as fields
+  const std::string beyond = problem(0, beyond_share(inputs, impl.share)).detail();  // options get the names of fields
   record.set_message("waits" + (beyond.empty() ? "" : "; " + beyond));
   BOOST_OUTCOME_TRY(job, impl.admit(std::move(record), caller));
   lock.unlock();
   Status added = success();
   try {
     added = impl.store.add(job->record);
-  } catch (const std::exception& thrown) {  // whoever waits for its key must be told
+  } catch (const std::exception& thrown) {  // requests that wait for the job's key must be told
     added = error(Errc::internal, thrown.what());
   }
   if (added && !beyond.empty()) impl.log(job->record.id(), "note: " + beyond);

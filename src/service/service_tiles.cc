@@ -1,4 +1,4 @@
-// How far the tiles of a job are.
+// The progress of the tiles of a job.
 #include <algorithm>
 #include <chrono>
 #include <string>
@@ -40,7 +40,7 @@ void tell_mail(const std::vector<MailArc>& arcs, proto::JobTiles& tiles) {
 }
 
 void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& tiles) {
-  const PhaseRow& phase = row_of(progress.phase);  // before the stages: what is settled stays so
+  const PhaseRow& phase = row_of(progress.phase);  // before the stages: what is settled stays settled
   std::string stages = progress.map.stages();
   if (phase.settled) {
     for (char& stage : stages)
@@ -90,7 +90,7 @@ Reply<proto::JobTiles> Service::tiles(std::string_view id, bool with_layout) {
     return tiles;
   }
   if (state != job_state::successful)
-    return tiles;  // nothing is known of them; whoever watches may learn so a moment later
+    return tiles;  // nothing is known of them yet; a watcher may learn it a moment later
   const auto manifest = impl_->results.manifest(name);
   const auto own = impl_->results.made_by(name, std::string(id));
   if (!own) return problem_of(own.error());

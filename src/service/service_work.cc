@@ -1,4 +1,4 @@
-// The threads that work on jobs: which is next, and how it ends.
+// The threads that work on jobs: which job is next, and how it ends.
 #include <chrono>
 #include <exception>
 #include <new>
@@ -20,7 +20,7 @@ bool was_interrupted(const Reply<JobDone>& done) {
   return !done && done.error().cause() == static_cast<int>(Errc::interrupted);
 }
 
-// Whatever a job throws ends that job, and nothing else.
+// An exception of a job ends that job, and nothing else.
 Reply<JobDone> guarded_work(const Workshop& shop, const JobWork& work) {
   try {
     return do_work(shop, work);
@@ -33,25 +33,26 @@ Reply<JobDone> guarded_work(const Workshop& shop, const JobWork& work) {
 
 }  // namespace
 
-// The next job that no thread holds; null when there is none that may run beside those that do.
+// The next job that no thread holds; null when none may run beside the running ones.
 std::shared_ptr<Job> Service::Impl::next() const {
   if (held_alone) return nullptr;
   for (const auto& [place, id] : waiting) {
     const auto& job = jobs.at(id);
     if (job->running) continue;  // dismissed and resumed: another thread has not let go yet
-    // Nor does any that came later overtake it.
+    // No later job overtakes it.
     return job->record.deaths() > 0 && held > 0 ? nullptr : job;
   }
   return nullptr;
 }
 
-// The next job, now held by this thread; null at the end.
+// The next job, which this thread now holds; null at the end.
 std::shared_ptr<Job> Service::Impl::take() {
   std::unique_lock lock(mutex);
   while (true) {
     if (ending) return nullptr;
     auto job = next();
-    // Its nodes go on meanwhile. It waits as one that is not begun: to die now is no death of it.
+    // Nodes that still work on this job may be about to join. While the job waits for them, it counts as not begun, so
+    // that a death of this process is not counted against it.
     if (job && job->record.starts() > 0 && engine->gathering()) {
       waiting_changed.wait_for(lock, std::chrono::milliseconds(100));
       continue;
@@ -84,7 +85,7 @@ void Service::Impl::work() {
       record = job->record;
     }
     const auto tell_log = [this, &record](const std::string& line) {
-      const Ledger::Use none(nullptr);  // also a job that may write no more says why
+      const Ledger::Use none(nullptr);  // a job that has used up its bound can still write why
       log(record.id(), line);
     };
     const JobWork work{record, running->progress, running->ledger, tell_log, store.folder(record.id())};
@@ -92,7 +93,7 @@ void Service::Impl::work() {
   }
 }
 
-// False when it has been dismissed since it was taken.
+// Returns false when the job was dismissed after it was taken.
 bool Service::Impl::start(const std::shared_ptr<Job>& job, const std::shared_ptr<Running>& running) {
   const std::lock_guard changes(changing);
   {
@@ -105,13 +106,13 @@ bool Service::Impl::start(const std::shared_ptr<Job>& job, const std::shared_ptr
     record.set_started(time_text(system_clock::now()));
     record.clear_finished();
     record.clear_problem();
-    record.clear_message();  // its state says it
+    record.clear_message();  // the state says it
   });
-  static_cast<void>(changed);  // Need::done: it is written later if it could not be now
+  static_cast<void>(changed);  // Need::done: if it cannot be written now, it is written later
   return true;
 }
 
-// What nodes have triangulated outlives the coordinator's process; without them only what is stored does.
+// Tiles that nodes have triangulated outlive the coordinator's process. Without nodes only stored tiles do.
 void Service::Impl::forgive_deaths() {
   const std::lock_guard changes(changing);
   std::vector<std::pair<std::shared_ptr<Job>, std::uint64_t>> got_on;
@@ -134,7 +135,7 @@ void Service::Impl::forgive_deaths() {
   }
 }
 
-// What the job has made gets its name. `replaced`: for Results::discard().
+// Gives the job's output its name. `replaced` gets a folder for Results::discard().
 Reply<JobDone> Service::Impl::finish(const proto::JobRecord& job, Reply<JobDone> done,
                                      std::filesystem::path& replaced) {
   if (!done) return done;
@@ -199,7 +200,7 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
     since_start.credit_waits += job->running->progress.credit_waits;
     job->running.reset();
     one_has_ended = true;
-    std::string().swap(job->told);  // jobs that have ended are many
+    std::string().swap(job->told);  // frees memory: there are many ended jobs
     --held;
     held_alone = false;
     if (!job->waits_or_runs()) active.erase(record.id());

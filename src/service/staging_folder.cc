@@ -23,8 +23,8 @@ namespace tessera {
 namespace fs = std::filesystem;
 namespace {
 
-// Names on a desk: a file that is written, and a thing on its way with the place where it came from. Names in a data
-// folder hold no backslash (check_name()).
+// Names on a desk: of a file that is being written, and of a moved file with the path that it came from. Names in a
+// data folder have no backslash (check_name()).
 constexpr std::string_view written = "written-", on_its_way = "from-";
 constexpr char slash_in_name = '\\';
 
@@ -34,7 +34,7 @@ fs::path name_of(const fs::path& from, const fs::path& area) {
   return std::string(on_its_way) + name;
 }
 
-// Empty when the name tells of no place in an area.
+// The path in the name; empty when it is no path in an area.
 fs::path place_of(std::string name) {
   name.erase(0, on_its_way.size());
   std::replace(name.begin(), name.end(), slash_in_name, '/');
@@ -48,13 +48,13 @@ StagingFolder::StagingFolder(fs::path area, std::uint64_t term, StillOurs still_
     : area_(std::move(area)), term_(term), still_ours_(std::move(still_ours)), desk_(desk_folder(area_, term)) {}
 
 StagingFolder::~StagingFolder() {
-  ::rmdir(desk_.c_str());  // stays when something is on its way: the next one puts it back
+  ::rmdir(desk_.c_str());  // fails while a file is under way: a successor puts it back
 }
 
 Result<std::unique_ptr<StagingFolder>> StagingFolder::lay(fs::path area, std::uint64_t term, StillOurs still_ours) {
   std::unique_ptr<StagingFolder> desk(new StagingFolder(std::move(area), term, std::move(still_ours)));
   if (::mkdir(desk->desk_.c_str(), 0777) != 0) return io_error(desk->desk_, "cannot be made", errno);
-  // After the desk is there: who takes the lock from now on finds it, and clears it.
+  // After the desk exists: a process that takes the lock from now on finds the desk, and clears it.
   BOOST_OUTCOME_TRYV(desk->still_ours_());
   BOOST_OUTCOME_TRY(names, sorted_names(desk->area_));
   for (const auto& name : names) {
@@ -65,7 +65,8 @@ Result<std::unique_ptr<StagingFolder>> StagingFolder::lay(fs::path area, std::ui
   return desk;
 }
 
-// Until it is removed: a process that does not know that its time is over may go on to put things there.
+// Repeats until the desk is removed: a process that does not know that it has lost the folder may still put files
+// there.
 Status StagingFolder::clear(const fs::path& desk) const {
   while (true) {
     FolderReader reader(desk);
@@ -92,13 +93,14 @@ Status StagingFolder::put_back(const fs::path& picked_up) const {
   const fs::path to = area_ / place_of(picked_up.filename().string());
   BOOST_OUTCOME_TRY(taken, is_there(to, FollowLinks::no));
   if (!taken) {
-    // Where the folder above it is gone, too, nobody needs it.
+    // If the folder above is gone, too, the file is not needed.
     if (std::rename(picked_up.c_str(), to.c_str()) == 0) return success();
     if (errno != ENOENT && errno != ENOTDIR) return io_error(to, "cannot be put back", errno);
   }
   BOOST_OUTCOME_TRY(held, look_at(picked_up, FollowLinks::no));
-  if (!held) return success();  // another one has put it back
-  // It has arrived before, or something newer stands there. Of a folder somebody else's files are to stay.
+  if (!held) return success();  // another process has put it back
+  // The file had arrived before, or a newer one is in its place. A folder is renamed, because files that are not ours
+  // must stay.
   if (!S_ISDIR(held->st_mode)) return remove_file(picked_up);
   return rename_file(picked_up, removed_folder(to.parent_path(), random_token()));
 }
@@ -106,7 +108,7 @@ Status StagingFolder::put_back(const fs::path& picked_up) const {
 Status StagingFolder::rename(const fs::path& from, const fs::path& to) const {
   if (std::rename(from.c_str(), to.c_str()) == 0) return success();
   const int reason = errno;
-  BOOST_OUTCOME_TRYV(still_ours_());  // the better sentence
+  BOOST_OUTCOME_TRYV(still_ours_());  // this error is clearer
   return io_error(to, "cannot rename to it", reason);
 }
 
@@ -120,7 +122,7 @@ Status StagingFolder::write(const fs::path& final_name, std::string_view text) {
     return rename(path, final_name);
   }();
   if (!moved) {
-    ::unlink(path.c_str());  // the first error is the one to tell
+    ::unlink(path.c_str());  // the first error is reported
     return moved.error();
   }
   return sync_folder(final_name.parent_path());
@@ -138,7 +140,7 @@ Status StagingFolder::put_down(const fs::path& picked_up, const fs::path& to) { 
 Status StagingFolder::move(const fs::path& from, const fs::path& to) {
   BOOST_OUTCOME_TRY(picked_up, pick_up(from));
   const Status moved = put_down(picked_up, to);
-  // Here and now; who finds the desk later does the same.
+  // Tries to put it back at once; a successor that finds the desk does the same.
   if (!moved) std::rename(picked_up.c_str(), from.c_str());
   return moved;
 }

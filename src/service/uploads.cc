@@ -31,7 +31,7 @@ Result<std::uint64_t> bytes_of(const fs::path& file) {
 }
 
 bool is_part(std::string_view name) { return name.starts_with('.') && name.ends_with(".part"); }
-// REQUIRES: it is one.
+// REQUIRES: `part` is the path of a partial upload.
 fs::path whole_of_part(const fs::path& part) {
   const std::string name = part.filename().string();
   return part.parent_path() / name.substr(1, name.size() - 1 - std::string_view(".part").size());
@@ -127,7 +127,7 @@ Result<Uploads::Used> Uploads::used() const {
     if (!is_one || !check_name(name)) continue;  // desks
     FolderReader files(below);
     while (const char* file = files.next()) {
-      if (!is_part(file) && !check_name(file)) continue;  // nothing that was sent
+      if (!is_part(file) && !check_name(file)) continue;  // not an upload
       BOOST_OUTCOME_TRY(more, bytes_of(below / file));
       used.bytes += more;
       ++used.files;
@@ -160,7 +160,7 @@ Reply<void> Uploads::remove(std::string_view folder, std::string_view file, cons
     if (!owned.value()) return no_upload(folder, file);
     if (!may_remove(*owned.value(), caller)) return of_another(folder, file, "remove");
     if (active_.contains(path)) return problem(409, "this file is being sent", Errc::usage);
-    // The owner last: until all is gone it is still somebody's.
+    // The owner last: until everything is gone, the file has an owner.
     if (const Status ours = desk_.still_ours(); !ours) return problem_of(ours.error());
     for (const auto& each : {part_file(path), path})
       if (const auto gone = remove_one(each); !gone) return problem_of(gone.error());
@@ -168,14 +168,14 @@ Reply<void> Uploads::remove(std::string_view folder, std::string_view file, cons
     return success();
   }();
   std::error_code others;
-  if (removed) fs::remove(path.parent_path(), others);  // stays when anything is in it
+  if (removed) fs::remove(path.parent_path(), others);  // fails, as it should, unless it is empty
   return removed;
 }
 
 Result<bool> Uploads::remove_one(const fs::path& file) {
   BOOST_OUTCOME_TRY(bytes, bytes_if_there(file, FollowLinks::no));
   if (!bytes) return false;
-  // Over the desk, so that a daemon which holds the data folder no more takes nothing from one that does.
+  // Through the staging folder, so that a daemon that has lost the data folder removes nothing from its successor.
   BOOST_OUTCOME_TRY(picked_up, desk_.pick_up(file));
   BOOST_OUTCOME_TRYV(remove_file(picked_up));
   gone(*bytes, true);
@@ -214,7 +214,7 @@ Result<bool> Uploads::expire_one(const fs::path& part, std::chrono::system_clock
   if (!whole) {
     BOOST_OUTCOME_TRYV(forget_owner(path));
     std::error_code others;
-    fs::remove(path.parent_path(), others);  // stays when anything is in it
+    fs::remove(path.parent_path(), others);  // fails, as it should, unless it is empty
   }
   return removed;
 }

@@ -1,4 +1,4 @@
-// Inputs that come from clients: a file is there under its name when it is whole, not before.
+// Receives input files from clients. A file gets its name only when it is complete.
 #pragma once
 
 #include <chrono>
@@ -19,30 +19,30 @@ namespace tessera {
 
 struct UploadLimits {
   std::uint64_t bytes = 0;          // of all uploads together; 0: what the disk has
-  std::uint64_t files = 100'000;    // whole ones and parts
+  std::uint64_t files = 100'000;    // complete and partial files
   std::uint64_t reserve_bytes = 0;  // of the disk, that uploads leave free
 };
 
 class Uploads {
  public:
-  // `desk`: of uploads, over which a whole file gets its name, and goes.
+  // `desk` is the staging folder of uploads: complete files get their names, and are removed, through it.
   Uploads(std::filesystem::path data, const UploadLimits& limits, StagingFolder& desk);
   // Makes the folder. Error io.
   Status open();
   std::filesystem::path folder() const;
 
-  // Goes on at `offset`, which must be what uploaded() says: 409. 400 for names that do not fit, 409 while the same
-  // file is being sent by another, 507 over the limit. A file that is there already is replaced when the new one is
-  // whole; 403 for that of another, and for what has come of it.
+  // Continues a file at `offset`, which must be what uploaded() returned, else 409. 400 for invalid names; 409 while
+  // another client sends the same file; 507 over the limit; 403 for a complete or partial file of another owner. An
+  // existing file is replaced when the new one is complete.
   Reply<std::unique_ptr<Service::Upload>> begin(std::string_view folder, std::string_view file, std::uint64_t offset,
                                                 const Caller& caller);
-  // Bytes of it that have come: of the part, or of the whole file. 404 for neither.
+  // The bytes of the file that have come, partial or complete. 404 when there is neither.
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) const;
 
-  // The file, what has come of it, and the folder when nothing else is in it. 404 for neither, 409 while it is sent,
-  // 403 for that of another.
+  // Removes the file, complete or partial, and its folder when that is empty then. 404 when there is no file; 409 while
+  // it is being sent; 403 for a file of another owner.
   Reply<void> remove(std::string_view folder, std::string_view file, const Caller& caller);
-  // Removes parts to which nothing has come since; a sentence for each.
+  // Removes partial files to which nothing was added since `before`. Returns a sentence for each.
   std::vector<std::string> expire(std::chrono::system_clock::time_point before);
 
  private:
@@ -54,9 +54,9 @@ class Uploads {
   Result<Used> used() const;
   // REQUIRES: `mutex_` is held, here and below.
   void gone(std::uint64_t bytes, bool file);
-  // Of the file, or of what has come of it; none when there is neither.
+  // The owner of the file, complete or partial; nothing when there is no file.
   Result<std::optional<std::string>> owner_or_none(const std::filesystem::path& path) const;
-  // Whether there was one.
+  // Returns true if there was a file.
   Result<bool> remove_one(const std::filesystem::path& file);
   Result<bool> expire_one(const std::filesystem::path& part, std::chrono::system_clock::time_point before);
 

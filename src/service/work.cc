@@ -31,7 +31,7 @@ namespace {
 
 constexpr std::size_t described_at_once_max = 10'000;  // files: some seconds
 
-// Of a result that was complete when its job went on.
+// The summary of a result that was complete when its job was continued.
 Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& options, const proto::JobRecord& job) {
   const auto unfinished = shop.results.unfinished(job.id());
   BOOST_OUTCOME_TRY(unpublished, is_there(unfinished));
@@ -52,7 +52,7 @@ Reply<JobDone> done_with(JobSummary summary, const proto::JobRecord& job) {
   return JobDone{summary_json(summary) + "\n", summary.points_read, summary.seconds};
 }
 
-// The problem of a failed triangulation, and what stays of it.
+// The problem of a failed triangulation. Also removes what is of no further use.
 proto::Problem failed_with(const Error& error, const std::optional<proto::Problem>& refused, ResultFolder& folder,
                            const Workshop& shop, const JobWork& work) {
   if (error.code == Errc::interrupted) {
@@ -61,8 +61,8 @@ proto::Problem failed_with(const Error& error, const std::optional<proto::Proble
     return problem_of(error);
   }
   folder.abandon();
-  // A run that went on and failed for want of room or memory can go on once there is some; no other would end well, and
-  // one that is beyond its bound of disk would be so again.
+  // A run that failed for lack of disk or memory can continue when there is more, unless it has exceeded its own bound
+  // of disk. Any other run would fail again, and is removed.
   if (work.ledger.reason() ? error.code == Errc::memory : error.code != Errc::io && error.code != Errc::memory) {
     if (const Status gone = shop.results.drop_unfinished(work.job.id()); !gone) work.log(gone.error().where);
   }
@@ -79,7 +79,7 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   options.value().command = Results::command_of(job);
   options.value().log = work.log;
   options.value().cloud.spool_bytes_max = unpacked_max(shop.limits, shop.data);
-  // Complete, and given its name, just before an earlier process ended.
+  // An earlier process may have completed and published the result just before it ended.
   const auto path = shop.results.unfinished(job.id());
   const auto published = job.starts() > 1 ? shop.results.is_published(job.id(), job.triangulation()) : false;
   if (!published) return problem_of(published.error());
@@ -233,7 +233,7 @@ Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {
       return problem_of(error(Errc::interrupted, stopped.what()));
     }
   }();
-  // What failed because of it has many sentences; this one says what to change.
+  // An exceeded bound causes many different errors; the ledger's reason says what to change.
   if (const auto reason = work.ledger.reason(); reason && !done) return problem_of(*reason);
   return done;
 }

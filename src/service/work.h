@@ -1,4 +1,4 @@
-// What a job does, from its record to what it leaves: without queue, states and locks.
+// Does the work of a job, from its record to its results. Does not know the queue, states and locks.
 #pragma once
 
 #include <chrono>
@@ -23,7 +23,7 @@
 
 namespace tessera {
 
-// What all jobs of a service work with.
+// What all jobs of a service share.
 struct Workshop {
   Engine& engine;
   const Roots& roots;
@@ -49,22 +49,23 @@ struct JobDone {
   std::vector<std::pair<std::string, double>> seconds;  // by phase
 };
 
-// A triangulation is complete in Results::unfinished(job), an export in Results::unfinished_export(), and nowhere else,
-// when this returns without a problem. A problem with cause interrupted: the same job can go on later, from where it
-// was. After other problems what cannot be gone on with is removed. Whatever the kind of the job, it draws from
-// `work.ledger`; of a bound that it meets its problem tells.
+// Does a job. When this returns without a problem, a triangulation is complete in Results::unfinished(job), and an
+// export in Results::unfinished_export(), and nothing was written elsewhere. After a problem with the cause
+// interrupted, the same job can continue later from where it was. After other problems, files of no further use are
+// removed. A job of any kind draws from `work.ledger`; when it meets a bound, its problem names the bound.
 Reply<JobDone> do_work(const Workshop& shop, const JobWork& work);
 
-// How the folder of what a job makes is locked. A daemon that held the data folder before, and worked on the job, may
-// still have that folder's lock: it is silent, and is waited for.
+// How the folder of a job's output is locked. A daemon that held the data folder before, and worked on the job, may
+// still have this lock. Such a daemon is silent, so its lock is waited for.
 LockOptions lock_of_unfinished(const Workshop& shop, const std::stop_token& stop);
 
-// The problem of a comparison with CGAL, which is made in memory, that needs more than there is.
+// The problem of a comparison with CGAL, which is made in memory, when it needs more memory than there is.
 std::optional<proto::Problem> check_verify(const Workshop& shop, const proto::VerifyInputs& inputs);
 
-// What `tessera info --json` prints.
+// Returns what `tessera info --json` prints.
 Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInputs& inputs, const std::stop_token& stop);
-// The problem of inputs that no request can wait for: compressed ones, and statistics of more than `points_max` points.
+// Returns a problem for inputs that take too long for a request: compressed files, and statistics of more than
+// `points_max` points.
 Result<std::optional<proto::Problem>> takes_too_long(const Workshop& shop, const proto::InfoInputs& inputs,
                                                      std::uint64_t points_max);
 

@@ -28,7 +28,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What an export has made in `folder`: where the result will have it, its bytes and checksum.
+// The files that an export has made in `folder`: their paths in the result, bytes and checksums.
 Result<Json> written_files(const std::filesystem::path& folder) {
   Json list = Json::array();
   std::vector<std::filesystem::path> folders{""};
@@ -52,8 +52,9 @@ Result<Json> written_files(const std::filesystem::path& folder) {
   return list;
 }
 
-// What `write` has made in the job's folder, or nothing. `begun`: what it makes there first, by which the same job goes
-// on later when it was interrupted, or when there was too little room or memory for a time.
+// Returns what `write` has made in the job's folder; on an error removes it. `begun` is the folder that `write` makes
+// first; it is kept when the job was interrupted, or found too little disk or memory for a time, so that the job can
+// continue later.
 template <class Write>
 auto written_aside(const Workshop& shop, const std::filesystem::path& folder, const JobWork& work, const Write& write,
                    const std::filesystem::path& begun = {}) {
@@ -70,19 +71,19 @@ auto written_aside(const Workshop& shop, const std::filesystem::path& folder, co
     }
   }();
   if (!made) {
-    // A job that is beyond its bound of memory or disk would be so again.
+    // A job beyond its bound of memory or disk would exceed it again.
     const auto reason = work.ledger.reason();
     const Errc code = reason.value_or(made.error()).code;
     const bool later = code == Errc::interrupted || code == Errc::io || (code == Errc::memory && !reason);
     if (const Status gone = shop.results.drop_unfinished_export(name, work.job.id(), later ? begun : ""); !gone)
       work.log(gone.error().where);
     std::error_code others;
-    std::filesystem::remove(folder.parent_path(), others);  // stays when anything is in it
+    std::filesystem::remove(folder.parent_path(), others);  // fails, as it should, unless it is empty
   }
   return made;
 }
 
-// As a share of points that there may not be: a percentage for those who watch.
+// Reports progress as a percentage, because there may be no points.
 std::function<void(double)> percentage(const JobWork& work) {
   return [&work](double part) {
     work.progress.points_total = 100;
@@ -90,7 +91,7 @@ std::function<void(double)> percentage(const JobWork& work) {
   };
 }
 
-// `told`: JSON of what was made, with its bytes. Of its many files the document is named.
+// `told` is JSON of what was made, with its bytes. Of the many files, only the document is named.
 Reply<JobDone> done_with_tileset(const std::string& told, const std::string& output) {
   Json outcome = parse_ordered_json(told);
   outcome["output"] = output;
@@ -114,7 +115,7 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   return done_with_tileset(to_json(made.value()), inputs.output());
 }
 
-// `told`: JSON of what was made in `folder`, which is called `output`.
+// `told` is JSON of what was made in `folder`, which is named `output`.
 Reply<JobDone> done_with(const std::filesystem::path& folder, const std::string& told, const std::string& output) {
   auto written = written_files(folder);
   if (!written) return problem_of(written.error());
@@ -124,12 +125,12 @@ Reply<JobDone> done_with(const std::filesystem::path& folder, const std::string&
   return JobDone{json_text(outcome) + "\n", 0, {}};
 }
 
-// A file that terrain draws: `write` is given the result's folder and the file to make.
+// A file that terrain draws. `write` gets the result's folder and the path of the file.
 template <class Options, class Write>
 Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> options, const Write& write) {
   if (!options) return problem_of(options.error());
   options.value().progress = percentage(work);
-  options.value().overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
+  options.value().overwrite = true;  // files of an earlier attempt; existing exports were checked before
   const auto& inputs = work.job.inputs();
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
@@ -148,11 +149,11 @@ Reply<JobDone> do_export(const Workshop& shop, const JobWork& work) {
   if (inputs.format() == tileset_format) return export_tileset(shop, work);
   auto options = export_options(inputs);
   if (!options) return problem_of(options.error());
-  options.value().overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
+  options.value().overwrite = true;  // files of an earlier attempt; existing exports were checked before
   options.value().progress = percentage(work);
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto exported = written_aside(shop, folder, work, [&] {
-    // A name without an ending is a folder of files.
+    // A name without an ending means a folder of files.
     return export_result(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
                          work.ledger.token());
   });
@@ -175,7 +176,7 @@ Reply<JobDone> do_surface(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs();
   auto options = surface_options(inputs.surface(), shop.share);
   if (!options) return problem_of(options.error());
-  options.value().output.overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
+  options.value().output.overwrite = true;  // files of an earlier attempt; existing exports were checked before
   options.value().progress = percentage(work);
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());

@@ -1,4 +1,4 @@
-// Jobs that make a file below a result's exports. As do_work().
+// Jobs that make a file below a result's exports. All work as do_work().
 #pragma once
 
 #include "src/service/work.h"

@@ -21,7 +21,7 @@
 namespace tessera {
 namespace {
 
-// What a cloud is, of all that is asked.
+// All inputs that identify a cloud, as text.
 std::string words_of(const proto::RegionInputs& inputs) {
   const auto cloud = cloud_of(inputs);
   return (cloud ? to_json(cloud.value()) : "") + (inputs.scan() ? " scan" : "");
@@ -44,7 +44,7 @@ Result<RegionSummary> write(const Workshop& shop, const JobWork& work, const std
   return summary;
 }
 
-// Of a region that had got its name just before an earlier process ended: what its folder tells.
+// The outcome of a region that was published just before an earlier process ended, from its folder.
 Result<std::string> outcome_of_stored(const Workshop& shop, const std::string& name) {
   BOOST_OUTCOME_TRY(manifest, shop.results.manifest(name));
   nlohmann::ordered_json told{{"event", "finished"},
@@ -77,7 +77,7 @@ Reply<JobDone> do_region(const Workshop& shop, const JobWork& work) {
   }
   auto files = shop.roots.files(list_of(job.inputs().region().inputs()), job.inputs().region().recursive());
   if (!files) return problem_of(files.error());
-  // What an attempt before has left is begun anew.
+  // What an earlier attempt has left is not continued.
   auto folder = ResultFolder::inspect(path, false, true);
   if (!folder) return problem_of(folder.error());
   folder.value().lock_with(lock_of_unfinished(shop, work.ledger.token()));

@@ -1,4 +1,4 @@
-// Regions of raw clouds, as jobs, and what they would cost.
+// Jobs that triangulate regions of raw clouds, and the estimate of their cost.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@ namespace tessera {
 // As do_work().
 Reply<JobDone> do_region(const Workshop& shop, const JobWork& work);
 
-// What the points in boxes that meet the region take: more are needed, most of the time not many. The `reason` of an
-// estimate that is not accepted, or of files that have to be read before anything is known. Error as open_regions().
+// Estimates the cost of the points in boxes that meet the region; usually not many more are needed. `reason` is set
+// when the job is not accepted, or when files must be read before anything is known. Error: as open_regions().
 Result<proto::Estimate> region_estimate(const Workshop& shop, const proto::RegionInputs& inputs);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// Arrays of numbers in a file of scratch, one after the other, each with its length before it.
+// Arrays of numbers in a scratch file, one after the other, each with its length before it.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 
 namespace tessera::surface {
 
+// Writes arrays to a file, or reads them back. Not thread-safe.
 class Arrays {
  public:
   explicit Arrays(DiskFile file) : file_(std::move(file)) {}
@@ -21,7 +22,7 @@ class Arrays {
     BOOST_OUTCOME_TRYV(file_.write(std::as_bytes(std::span(&size, 1))));
     return file_.write(std::as_bytes(std::span(array)));
   }
-  // Nothing says that the file is another one than was written but that it is too short.
+  // Returns false when the file is too short, or has a length above `most`. Other damage is not noticed.
   template <class Array>
   Result<bool> get(Array& array, std::uint64_t most) {
     std::uint64_t size = 0;
@@ -38,7 +39,8 @@ class Arrays {
   DiskFile file_;
 };
 
-// All arrays that `each` calls its argument with, to a file, one after the other.
+// save_arrays() writes to a file all arrays that `each` passes to the function it is given. load_arrays() reads them
+// back in the same order. Error io.
 template <class Each>
 Status save_arrays(const std::filesystem::path& path, const Each& each) {
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::replace));

@@ -46,7 +46,7 @@ Status check_result(const fs::path& in, const Manifest& manifest) {
   return success();
 }
 
-// From the points' own pulses and scan angles, if their attributes tell of such.
+// Estimates sensors from the points' own pulses and scan angles, if the attributes have them.
 Status estimate_sensors(const TileSource& source, const SurfaceOptions& options, Sensors& sensors,
                         std::stop_token stop) {
   const auto& schema = source.manifest().schema;
@@ -75,7 +75,7 @@ Status estimate_sensors(const TileSource& source, const SurfaceOptions& options,
   return sensors.use_estimate(estimate_track(all_pulses.take(), all_angles.take()), schema);
 }
 
-// Of the triangles' folder, once more with what Manifold splits.
+// Writes the tiles of the triangles' folder again, with the vertices and edges split that Manifold splits.
 Result<Digest> write_split(const fs::path& triangles, const Manifold& manifold, TriangleStore& to,
                            const TileWork& how) {
   BOOST_OUTCOME_TRY(whole, TileSource::open(triangles));
@@ -113,7 +113,7 @@ SurfacePlan plan_of(const TileSource& source, const SurfaceOptions& options, con
           .number = std::uint64_t{std::random_device()()} << 32u | std::random_device()()};
 }
 
-// The plan of the run is there when this returns: that of an earlier process, or a new one.
+// Makes sure that the run has its plan: that of an earlier process, or a new one.
 Status begin_run(const BuildFolder& folder, SurfacePlan plan) {
   const fs::path file = plan_file(folder.run);
   if (folder.resume) {
@@ -133,7 +133,7 @@ Status begin_run(const BuildFolder& folder, SurfacePlan plan) {
   return write_whole(file, to_json(plan));
 }
 
-// What tiles have left after the last step.
+// Gathers what tiles have left after the last step.
 Status gather(const TileSource& source, const fs::path& run, Built& built, TriangleStore& triangles,
               Manifold& manifold) {
   BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));

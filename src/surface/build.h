@@ -1,4 +1,4 @@
-// From a 3D result to the triangles of its surface, which whoever wants them reads as a 2D result with heights.
+// Computes the triangles of the surface of a 3D result, and stores them as a 2D result with heights.
 #pragma once
 
 #include <cstdint>
@@ -17,25 +17,26 @@
 
 namespace tessera::surface {
 
+// What build() has made.
 struct Built {
-  std::filesystem::path triangles;  // the folder
+  std::filesystem::path triangles;  // the folder of the 2D result
   Digest digest;
   std::uint64_t split = 0;  // vertices that were added to make it manifold
-  std::string sensors;      // a sentence
+  std::string sensors;      // how sensors were found: a sentence
   double sigma = 0;         // the median scale of the vertices, or what was given
   RayCounts rays;
   std::uint64_t undecided = 0, outside = 0;  // cells
 };
 
 struct BuildFolder {
-  std::filesystem::path run;        // in which the triangles are, too
-  std::filesystem::path lock_file;  // of who may write there: none, nobody else would
-  bool resume = false;              // goes on with what an earlier process has left there
+  std::filesystem::path run;        // the run folder; the triangles are in it, too
+  std::filesystem::path lock_file;  // the lock that must be held to write there; empty: no other process writes there
+  bool resume = false;              // continues what an earlier process has left there
 };
 
-// `prove`: each cut is proved by its flow (src/surface/cut/certificate.h); error internal when one is not. Errors:
-// usage for results that have no surface, and when what is to be gone on with is of another one; those of reading and
-// running. `progress`: or null.
+// Builds the surface. `prove`: each cut is proved by its flow (src/surface/cut/certificate.h); error internal when a
+// proof fails. `progress`: called with the fraction that is done; or null. Errors: usage for results that have no
+// surface, and when the run to be resumed is of another result or has other options; errors of reading and running.
 Result<Built> build(const TileSource& source, const SurfaceOptions& options, const BuildFolder& folder, bool prove,
                     StepsRunner& runner, const std::function<void(double)>& progress, const std::stop_token& stop);
 

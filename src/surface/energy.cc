@@ -23,8 +23,9 @@ void sort_by_id(std::array<Corner, n>& corners) {
   std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
 }
 
-// Between the facet and the sphere around the cell of it and `apex`, where they meet: 1 when the sphere only touches
-// the facet's plane from the apex's side. A flat cell has a sphere without end, which says nothing: 0.
+// Returns the cosine of the angle between the facet and the sphere around the cell of facet and `apex`, where the two
+// meet. It is 1 when the sphere only touches the facet's plane from the apex's side. A flat cell has an infinite
+// sphere, which says nothing: 0.
 double cosine(const std::array<Corner, 3>& facet, const Corner& apex) {
   std::array<Corner, 4> cell{facet[0], facet[1], facet[2], apex};
   sort_by_id(cell);
@@ -50,8 +51,8 @@ double cosine(const std::array<Corner, 3>& facet, const Corner& apex) {
 double exp_of_minus(double x) {
   if (!(x < 40)) return 0;
   if (x <= 0) return 1;
-  // e^-x = 2^-n e^-r, 0 <= r < ln 2; the series has 18 terms, the rest is below a unit of the last place.
-  // ln 2 is a sum of which n times the first is exact.
+  // e^-x = 2^-n e^-r, 0 <= r < ln 2. The series has 18 terms; the rest is below a unit of the last place. ln 2 is a sum
+  // of two doubles, such that n times the first is exact.
   constexpr double ln2 = 0x1.62e42feep-1, ln2_rest = 0x1.a39ef35793c76p-33;
   const auto n = static_cast<int>(x / (ln2 + ln2_rest));
   const double r = n * ln2_rest - (x - n * ln2);
@@ -72,7 +73,7 @@ double exp_of_minus(double x) {
 std::uint32_t visibility_weight(double distance, double sigma, std::uint32_t vote) {
   const double q = distance / sigma;
   const double x = q * q / 2;
-  // What is left of the vote then is less than a half.
+  // Beyond this, less than a half of the vote is subtracted.
   static_assert(full_vote <= 4096);
   if (x > 9.02) return vote;
   return static_cast<std::uint32_t>(vote * (1 - exp_of_minus(x)) + 0.5);

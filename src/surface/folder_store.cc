@@ -23,7 +23,7 @@ fs::path folder_of(const fs::path& run, Kept what) {
 fs::path file_of(const fs::path& run, Kept what, TileId tile) {
   return surface_kept_file(folder_of(run, what), tile.value);
 }
-// Files of one tile, but of different kinds, are not taken for each other.
+// Files of one tile, but of different kinds, must not be mistaken for each other.
 FrameOwner owner_of(std::uint64_t seal, Kept what, TileId tile) {
   return {seal, std::uint64_t{tile.value} * kept_count + static_cast<std::uint64_t>(what)};
 }
@@ -41,7 +41,7 @@ Result<std::unique_ptr<FolderStore>> FolderStore::open(const ResultInput& input)
   for (std::uint32_t what = 0; what < kept_count; ++what) {
     BOOST_OUTCOME_TRYV(make_directories(folder_of(input.run, static_cast<Kept>(what))));
   }
-  // What an earlier process has left there is not known to this one.
+  // This process does not know what an earlier process has left there.
   BOOST_OUTCOME_TRYV(remove_whole(surface_tiles_folder(input.own)));
   BOOST_OUTCOME_TRYV(make_directories(surface_tiles_folder(input.own)));
   return std::unique_ptr<FolderStore>(new FolderStore(input));

@@ -1,5 +1,5 @@
-// Tiles and what steps leave of them, for the programs of a surface's steps: in the job's run folder, which all nodes
-// see, and in memory and files of this node.
+// Keeps tiles, and what steps leave of them, for the programs of a surface's steps: in the job's run folder, which all
+// nodes see, and in memory and files of this node.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace tessera::surface {
 
 class FolderStore final : public StepStore {
  public:
-  // Makes its folders.
+  // Makes the folders.
   static Result<std::unique_ptr<FolderStore>> open(const ResultInput& input);
 
   Result<std::unique_ptr<SurfaceTile>> take(TileId tile) override;
@@ -35,9 +35,9 @@ class FolderStore final : public StepStore {
   Shelf shelf_;
 };
 
-// What was kept of a tile in a run, for whoever finishes the surface. Errors: io, corrupt.
+// Reads what was kept of a tile in a run, to finish the surface. Errors: io, corrupt.
 Result<Bytes> read_kept(const std::filesystem::path& run, std::uint64_t seal, Kept what, TileId tile);
-// The tiles of which this was kept.
+// Returns the tiles of which `what` was kept.
 Result<std::vector<TileId>> tiles_kept(const std::filesystem::path& run, Kept what);
 
 }  // namespace tessera::surface

@@ -14,11 +14,11 @@ constexpr std::uint32_t nothing = ~std::uint32_t{0};
 // One side of a border between two regions.
 struct Side {
   std::array<PointId, 3> facet;
-  std::uint32_t region = nothing, border = 0;  // nothing: the border is to another region than those joined
+  std::uint32_t region = nothing, border = 0;  // nothing: the border leads to a region that is not joined
   std::uint32_t to = 0;
 };
 
-// By region and name: the other side of it.
+// By region and name: the other side of the border.
 using Sides = std::vector<std::vector<Side>>;
 Result<Sides> match(const std::vector<RegionKernel>& regions,
                     const std::function<std::optional<std::uint32_t>(TileId)>& region_of) {
@@ -68,7 +68,7 @@ class Joining {
   }
 
  private:
-  // What the regions beside it have decided. Cells across borders of the whole are as before.
+  // Takes over what the joined regions beside it have decided. Borders of the joined region stay as they are.
   void take_decided(std::size_t r) {
     std::vector<cut::Decided> across;
     for (const std::uint32_t name : regions_[r].kernel.borders) {
@@ -78,7 +78,7 @@ class Joining {
     cut::take_decided(regions_[r].kernel, across);
   }
 
-  // Of borders of the whole.
+  // Numbers the names of borders of the joined region.
   void number_names(std::size_t r) {
     const RegionKernel& region = regions_[r];
     auto& number = name_of_.emplace_back(region.names.size(), nothing);
@@ -90,7 +90,7 @@ class Joining {
     }
   }
 
-  // Of the whole, by name.
+  // Numbers the arcs of borders in the joined region, by name.
   void number_arcs(std::size_t r) {
     const cut::CutKernel& kernel = regions_[r].kernel;
     auto& arcs = arc_of_.emplace_back(regions_[r].names.size(), cut::no_arc);
@@ -133,8 +133,9 @@ class Joining {
 
   std::vector<RegionKernel>& regions_;
   Sides others_;
-  std::vector<std::vector<std::uint32_t>> name_of_;  // by region and name: that of the whole, or nothing
-  std::vector<std::vector<cut::Arc>> arc_of_;        // likewise: of the whole; no_arc where the cell is decided
+  std::vector<std::vector<std::uint32_t>> name_of_;  // by region and name: the name in the joined region, or nothing
+  // likewise: the arc in the joined region; no_arc where the cell is decided
+  std::vector<std::vector<cut::Arc>> arc_of_;
   std::size_t cells_ = 0;
   JoinedRegion out_;
 };

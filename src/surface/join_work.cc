@@ -17,7 +17,7 @@ unsigned level_of(Step step) { return static_cast<unsigned>(step) - static_cast<
 Kept sides_of_level(unsigned level) {
   return kept_of(static_cast<Step>(static_cast<unsigned>(first_step) + level - 1));
 }
-// What groups of a level have left; 0: tiles.
+// Returns the kind of what groups of a level have left; level 0: tiles.
 Kept kernel_of_level(unsigned level) {
   static_assert(static_cast<unsigned>(Kept::district_kernel) == static_cast<unsigned>(Kept::kernel) + 2);
   return static_cast<Kept>(static_cast<unsigned>(Kept::kernel) + level);
@@ -68,7 +68,7 @@ Result<cut::CellSet> decided_together(const KeptWork& work, TileId self, std::ui
   cut::CellSet sources(undecided);
   std::vector<std::uint32_t> left(undecided);
   std::iota(left.begin(), left.end(), std::uint32_t{0});
-  std::uint64_t before = 0;  // what its part of the group has left before the tile's own
+  std::uint64_t before = 0;  // what this member of the group has left before the tile's own cells
   for (unsigned level = 1; level <= Groups::levels && !left.empty(); ++level) {
     const TileId host = input.tiles[groups.first_of(number, level)];
     BOOST_OUTCOME_TRY(group, work.kept<KeptGroup>(sides_of_level(level), host));

@@ -1,4 +1,4 @@
-// The steps in which tiles decide together (groups.h), and what they have decided of a tile's cells.
+// The steps in which tiles decide together (groups.h), and what these steps have decided of a tile's cells.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ class JoinWork final : public KeptWork {
   Step step_;
 };
 
-// After the step cut. Of the cells that a tile could not decide alone, in its order: those on the source's side.
-// `undecided`: how many there are.
+// Valid after the step cut. Returns which of the cells that a tile could not decide alone are on the source's side, in
+// the order of these cells. `undecided`: their number.
 Result<cut::CellSet> decided_together(const KeptWork& work, TileId self, std::uint64_t undecided);
 
 }  // namespace tessera::surface

@@ -1,5 +1,5 @@
-// What the steps of a surface keep of a tile, as bytes (src/surface/step.h). Each reader gives false when the bytes are
-// not what its writer has made.
+// Encodes what the steps of a surface keep of a tile (src/surface/step.h). Each reader returns false when the bytes are
+// not what its writer made.
 #pragma once
 
 #include <cstdint>
@@ -44,25 +44,25 @@ struct KeptSides {
 Bytes bytes_of(const KeptSides& sides);
 bool read(std::span<const std::byte> bytes, KeptSides& sides);
 
-// The rest: a region's kernel without `sources` and `open`.
+// What a tile has not decided: a region's kernel, without `sources` and `open`.
 Bytes bytes_of(const RegionKernel& kernel);
 bool read(std::span<const std::byte> bytes, RegionKernel& kernel);
 
-// What a group has decided (groups.h), at its first tile.
+// What a group has decided (groups.h); kept at its first tile.
 struct KeptGroup {
-  std::uint64_t cells = 0;           // that its members have left
-  std::vector<std::uint32_t> first;  // by member: its first one
-  cut::CellSet sources, open;        // of them
+  std::uint64_t cells = 0;           // cells that its members have left undecided
+  std::vector<std::uint32_t> first;  // by member: its first cell
+  cut::CellSet sources, open;        // of these cells
 };
 Bytes bytes_of(const KeptGroup& group);
 bool read(std::span<const std::byte> bytes, KeptGroup& group);
 
-// What the first tile has found in the step scales, or what was given.
+// The median scale that the first tile has found in the step scales, or the scale that was given.
 bool read(std::span<const std::byte> bytes, double& sigma);
 
 struct KeptTriangles {
-  std::uint64_t outside = 0;  // main cells
-  Bytes entry;                // what StepStore::keep_triangles() gave
+  std::uint64_t outside = 0;  // main cells that are outside
+  Bytes entry;                // what StepStore::keep_triangles() returned
   Splits splits;
 };
 Bytes bytes_of(const KeptTriangles& triangles);

@@ -1,4 +1,4 @@
-// What a step does, by way of what the steps before have kept.
+// The work of a step that begins from what earlier steps have kept.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 
 namespace tessera::surface {
 
+// Gives a step's work access to the input and to what was kept. Thread-safe.
 class KeptWork : public StepWork {
  public:
   KeptWork(std::shared_ptr<const StepInput> input, StepStore& store) : input_(std::move(input)), store_(store) {}
@@ -20,7 +21,7 @@ class KeptWork : public StepWork {
   const StepOptions& options() const { return input_->options; }
   StepStore& store() const { return store_; }
   bool is_first(TileId tile) const { return tile == input_->tiles.front(); }
-  // What was kept of a tile. Error corrupt when it is something else.
+  // Returns what was kept of a tile. Error corrupt when the bytes are something else.
   template <class What>
   Result<What> kept(Kept kind, TileId tile) const {
     throw_if_stopped(input_->stop);

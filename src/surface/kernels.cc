@@ -10,7 +10,7 @@ namespace tessera::surface {
 
 namespace {
 
-// Runs a flow to its end.
+// Computes a maximum flow and returns its source set. `prove`: also proves it.
 Result<cut::CellSet> solve(cut::CutGraph& graph, bool prove) {
   if (!prove) return cut::SearchTrees(graph).run();
   const cut::CutGraph before = graph;

@@ -6,8 +6,8 @@ namespace tessera::surface {
 
 namespace {
 
-// Of the components of (a - o) x (b - o), by which e, e^2 and e^3 are multiplied, the first that is not 0: they are
-// orientations of the points, seen along the axes.
+// (a - o) x (b - o) has three components, which the perturbation multiplies by e, e^2 and e^3. Returns the sign of the
+// first that is not 0. The components are orientations of the points, seen along the axes.
 int first_component(const Point& o, const Point& a, const Point& b) {
   const auto along_x = [](const Point& q) { return Point{q.y, q.z, 0}; };
   if (const int sign = exact::orientation_2(along_x(o), along_x(a), along_x(b)); sign != 0) return sign;
@@ -18,7 +18,7 @@ int first_component(const Point& o, const Point& a, const Point& b) {
 
 }  // namespace
 
-// The determinant is (s - p) times the vector (a - p) x (b - p).
+// The determinant is the dot product of s - p and (a - p) x (b - p).
 int side_of_line(const Point& p, const Point& s, const Point& a, const Point& b) {
   const int sign = exact::orientation_3(p, s, a, b);
   return sign != 0 ? sign : first_component(p, a, b);

@@ -12,19 +12,19 @@ using Triangle = std::array<std::int32_t, 3>;
 
 const auto of_corner = [](const SplitCorner& c) { return std::tie(c.triangle, c.vertex); };
 
-// A tile's mesh as it gets more vertices.
+// A tile's mesh, to which vertices are added.
 class Growing {
  public:
   explicit Growing(StoredTile tile) : tile_(std::move(tile)), width_(row_bytes(tile_.schema)) {}
 
   const StoredTile& tile() const { return tile_; }
-  // With the attributes of `like`.
+  // Adds a vertex with the attributes of `like`, unless one with this id was added.
   std::int32_t add(std::int32_t like, PointId id, const Point& at) {
     const auto found = added_.find(id);
     return found != added_.end() ? found->second : added_[id] = append(like, id, at);
   }
 
-  // Of these triangles those with a vertex of the tile's own, and their vertices, own ones first.
+  // Returns those of the triangles that have a vertex of the tile's own, with their vertices, own vertices first.
   StoredTile take(const std::vector<Triangle>& triangles, TileId self) {
     const TileMesh& from = tile_.mesh;
     const auto own = [&](std::int32_t v) { return from.owners[static_cast<std::size_t>(v)] == self; };
@@ -76,10 +76,11 @@ class Growing {
   std::map<PointId, std::int32_t> added_;
 };
 
-// A triangle whose edge from corner k to the next has a vertex middles[k], or -1, in its middle.
+// Cuts a triangle into pieces. middles[k] is the vertex in the middle of the edge from corner k to the next corner, or
+// -1.
 void cut_up(const Triangle& corners, const Triangle& middles, std::vector<Triangle>& out) {
   const auto count = std::ranges::count_if(middles, [](std::int32_t m) { return m >= 0; });
-  // Turned so that the first edge has one, and the last has none if any has none.
+  // Turned so that the first edge has a middle, and the last edge has none if any edge has none.
   std::size_t turn = 0;
   while (count > 0 && count < 3 && !(middles[turn] >= 0 && middles[(turn + 2) % 3] < 0)) ++turn;
   const auto corner = [&](std::size_t k) { return corners[(k + turn) % 3]; };

@@ -1,8 +1,9 @@
-// A surface without edges of more than two triangles, and with one fan of triangles at each vertex: for programs that
-// take no others. No vertex moves. A vertex gets a copy for each fan but its first. Where two fans that belong together
-// touch themselves along an edge, copies of its ends do not tell them apart: all pairs of triangles at it but the first
-// get a vertex of their own in the middle of the edge. New vertices stand a little aside. After A. Gueziec, G. Taubin,
-// F. Lazarus and W. Horn, Cutting and stitching, IEEE TVCG 2001, where the outside tells what belongs together.
+// Makes a surface manifold: no edge has more than two triangles, and each vertex has one fan of triangles. Some
+// programs accept only such surfaces. No vertex moves. Each fan of a vertex but the first gets a copy of the vertex.
+// Where two fans that belong together touch along an edge, copies of its ends do not separate them: there each pair of
+// triangles but the first gets a vertex of its own in the middle of the edge. New vertices stand a little aside. After
+// A. Gueziec, G. Taubin, F. Lazarus and W. Horn, Cutting and stitching, IEEE TVCG 2001; here the outside decides which
+// triangles belong together.
 #pragma once
 
 #include <array>
@@ -17,14 +18,16 @@
 
 namespace tessera::surface {
 
+// Collects the splits of all tiles, then applies them.
 class Manifold {
  public:
-  // Of a tile. For several threads at once.
+  // Adds the splits of a tile. Thread-safe.
   void add(Splits splits);
-  // When all tiles have been added: new vertices have the ids from `first` on, in an order that no tiling changes.
+  // Numbers the new vertices, when the splits of all tiles have been added: ids from `first` on, in an order that does
+  // not depend on the tiles.
   void settle(PointId first);
   std::uint64_t new_vertices() const { return new_vertices_; }
-  // A tile of triangles with what is to be split. After settle().
+  // Returns a tile of triangles with its vertices and edges split. Thread-safe after settle().
   StoredTile apply(StoredTile tile, TileId self) const;
 
  private:
@@ -32,7 +35,7 @@ class Manifold {
     PointId id;
     Point at;
   };
-  // Of a triangle's edge, which lacks the vertex `opposite`: the vertex in the middle.
+  // The vertex in the middle of a triangle's edge; the edge is the one without the vertex `opposite`.
   struct Middle {
     TriangleName triangle;
     PointId opposite;

@@ -14,7 +14,7 @@ namespace tessera::surface {
 namespace {
 
 constexpr std::uint64_t block_bytes = std::uint64_t{1} << 20;
-constexpr double id_max = 9007199254740992.0;  // 2^53: what a double counts to
+constexpr double id_max = 9007199254740992.0;  // 2^53: a double counts exactly up to it
 
 template <class T>
 T value_at(const std::byte* at) {
@@ -28,7 +28,8 @@ const PlyElement* find(const PlyHeader& header, std::string_view name) {
   return found == header.elements.end() ? nullptr : &*found;
 }
 
-// Where a property stands in an element without lists before it; nothing when it is not there, or of another type.
+// Returns the offset of a property in an element that has no list before it. Nothing when the property is missing, or
+// has another type.
 std::optional<std::size_t> offset_of(const PlyElement& element, std::string_view name, AttributeType type) {
   std::size_t offset = 0;
   for (const PlyProperty& property : element.properties) {
@@ -39,7 +40,7 @@ std::optional<std::size_t> offset_of(const PlyElement& element, std::string_view
   return std::nullopt;
 }
 
-// Of an element that begins with triangles as a list of one byte and three numbers.
+// Returns the bytes of an element that begins with triangles: a list with a count of one byte and three numbers.
 std::optional<std::size_t> triangle_bytes(const PlyElement& face) {
   if (face.properties.empty()) return std::nullopt;
   const PlyProperty& list = face.properties.front();

@@ -1,4 +1,4 @@
-// The PLY files that surfaces are written to, as they are read to check them.
+// Reads the PLY files that surfaces are written to, to check them.
 #pragma once
 
 #include <array>
@@ -20,10 +20,11 @@ class ByteSource;
 
 namespace tessera::surface {
 
-// One file. Everything in it is untrusted.
+// One file. All of its content is untrusted.
 class MeshFile {
  public:
-  // Reads the vertices' ids. Errors: those of the file; bad_input when it is no binary PLY with ids and triangles.
+  // Reads the header and the vertices' ids. Errors: of reading the file; bad_input when it is no binary PLY with ids
+  // and triangles.
   static Result<MeshFile> open(const std::filesystem::path& path);
   MeshFile(MeshFile&&) noexcept;
   MeshFile& operator=(MeshFile&&) noexcept;
@@ -33,7 +34,8 @@ class MeshFile {
   const std::optional<Recipe>& recipe() const { return recipe_; }
   std::uint64_t vertices() const { return ids_.size(); }
   std::uint64_t triangles() const { return triangles_; }
-  // In the file's order. Error bad_input when a number is none of a vertex, or a triangle has one twice.
+  // Visit vertices or triangles in the file's order. Error bad_input when a triangle has a number that is no vertex, or
+  // has a vertex twice.
   Status for_each_vertex(const std::function<Status(PointId id, const Point& at)>& visit) const;
   Status for_each_triangle(const std::function<Status(const std::array<PointId, 3>&)>& visit) const;
 
@@ -42,7 +44,7 @@ class MeshFile {
   Status read_head();
   Status read_ids();
   Error bad(const std::string& why) const { return error(Errc::bad_input, path_.string() + ": " + why); }
-  // Blocks of records of this size from a place on.
+  // Visits `count` records of `bytes` bytes, from the offset `at` on; reads them in blocks.
   Status for_each_record(std::uint64_t at, std::uint64_t count, std::size_t bytes,
                          const std::function<Status(const std::byte* record, std::uint64_t number)>& visit) const;
 

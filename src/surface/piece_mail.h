@@ -1,5 +1,6 @@
-// Mail of a step in which each tile tells each other all it has to tell at once: in numbered pieces, which are the same
-// whenever the tile makes them. So whoever gets a piece again, from a later life of the sender, knows it by its number.
+// Mail of a step in which each tile sends every other tile all it has to say at once, in numbered pieces. A tile always
+// makes the same pieces. So a receiver that gets a piece again, from a later life of the sender, recognises it by its
+// number.
 #pragma once
 
 #include <algorithm>
@@ -20,11 +21,11 @@ namespace tessera::surface {
 inline constexpr std::size_t piece_bytes_max = 250'000;
 
 struct PieceHead {
-  std::uint32_t number = 0;  // of those from one tile to another
-  std::uint32_t kind = 0;    // of its records
+  std::uint32_t number = 0;  // of the pieces from one tile to another
+  std::uint32_t kind = 0;    // of the records in the piece
 };
 
-// What one tile has to tell.
+// Collects what one tile sends.
 class PieceOutbox {
  public:
   template <class Record>
@@ -41,7 +42,7 @@ class PieceOutbox {
     if (fresh) piece.value(PieceHead{box.pieces++, kind});
     piece.value(record);
   }
-  // Forgets it.
+  // Returns the pieces by receiver, and forgets them.
   std::vector<std::pair<TileId, Message>> take() {
     for (auto& [to, box] : boxes_)
       for (auto& [kind, piece] : box.open) messages_.emplace_back(to, piece.take());
@@ -52,16 +53,16 @@ class PieceOutbox {
  private:
   struct Box {
     std::uint32_t pieces = 0;
-    std::map<std::uint32_t, FlatWriter> open;  // by kind
+    std::map<std::uint32_t, FlatWriter> open;  // pieces that are being filled, by kind
   };
   std::map<TileId, Box> boxes_;
   std::vector<std::pair<TileId, Message>> messages_;
 };
 
-// What one tile was told, whatever came first, and however often.
+// Collects what one tile receives, in any order, and each piece once however often it arrives.
 class PieceInbox {
  public:
-  // False: it is no piece.
+  // Returns false if the message is no piece.
   bool add(TileId from, Message piece) {
     PieceHead head;
     FlatReader in(piece);
@@ -69,8 +70,8 @@ class PieceInbox {
     pieces_.try_emplace({from, head.number}, std::move(piece));
     return true;
   }
-  // Calls `use` with each record of a kind, in the order of senders and of what they said. False when a piece is none
-  // of such records.
+  // Calls `use` with each record of a kind, ordered by sender and number of the piece. Returns false when a piece does
+  // not consist of such records.
   template <class Record, class Use>
   bool for_each(std::uint32_t kind, const Use& use) const {
     for (const auto& [name, piece] : pieces_) {

@@ -1,4 +1,4 @@
-// What is on its way between tiles, of one kind: in memory, and what is too much for it on disk.
+// Records of one kind on their way between tiles: in memory, and on disk if there are too many.
 #pragma once
 
 #include <atomic>
@@ -19,13 +19,13 @@
 
 namespace tessera::surface {
 
-// For several threads at once.
+// A queue of records for each tile. Thread-safe.
 template <class Record>
 class Post {
   static_assert(std::is_trivially_copyable_v<Record>);
 
  public:
-  // `folder`: of this post alone. `memory_bytes`: what is over that waits there.
+  // `folder`: used by this object alone. `memory_bytes`: records beyond that wait in the folder.
   Post(std::filesystem::path folder, std::size_t tiles, std::uint64_t memory_bytes)
       : folder_(std::move(folder)), boxes_(tiles), memory_records_(memory_bytes / sizeof(Record)) {}
 
@@ -46,7 +46,7 @@ class Post {
     return success();
   }
 
-  // All that waits for a tile, in no order.
+  // Returns all records that wait for a tile, in no particular order.
   Result<std::vector<Record>> take(std::size_t to) {
     Box& box = boxes_[to];
     const std::lock_guard lock(box.mutex);
@@ -66,7 +66,7 @@ class Post {
   }
 
   bool any(std::size_t to) const { return boxes_[to].waiting > 0; }
-  std::uint64_t sent() const { return sent_; }  // ever
+  std::uint64_t sent() const { return sent_; }  // records since the beginning
 
  private:
   struct Box {
@@ -83,7 +83,7 @@ class Post {
   std::atomic<std::uint64_t> held_{0}, sent_{0};
 };
 
-// By tile, before they are sent.
+// Collects records by tile before they are sent. Not thread-safe.
 template <class Record>
 class Outgoing {
  public:

@@ -9,7 +9,7 @@ namespace tessera::surface {
 
 namespace {
 
-// Seen along the ray, which way it is from a to b.
+// Returns in which direction a and b follow each other, as seen along the ray.
 int side(const RayRecord& ray, const Point& a, const Point& b) {
   const int sign = side_of_line(ray.from, ray.towards, a, b);
   return ray.behind != 0 ? -sign : sign;
@@ -57,7 +57,7 @@ Status RayCaster::follow(RayRecord ray, std::int32_t cell, std::size_t exit) {
         length * part_to_plane(ray.from, way, tile_.corner(facet[0]), tile_.corner(facet[1]), tile_.corner(facet[2]));
     if (std::isfinite(far)) ray.reached = std::max(ray.reached, far);
     const std::int32_t next = tile_.neighbor(cell, exit);
-    // Whether the sensor is before the facet is asked exactly: how far the facet is has been rounded.
+    // Whether the sensor is before the facet is tested exactly, as the distance of the facet is rounded.
     const auto at = [&](std::size_t i) { return tile_.point(facet[i]); };
     const bool sensor = ray.behind == 0 && !is_beyond(at(0), at(1), at(2), ray.towards);
     if (sensor || ray.reached > limit || (next == SurfaceTile::outside && ray.behind != 0)) {
@@ -65,7 +65,7 @@ Status RayCaster::follow(RayRecord ray, std::int32_t cell, std::size_t exit) {
       return success();
     }
     const std::uint32_t weight = ray.behind != 0 ? 0 : visibility_weight(ray.reached, ray.sigma, ray.vote);
-    if (next == SurfaceTile::outside) {  // where all is outside
+    if (next == SurfaceTile::outside) {  // beyond the hull, all is outside
       tile_.excess(cell) += weight;
       return success();
     }
@@ -78,7 +78,7 @@ Status RayCaster::follow(RayRecord ray, std::int32_t cell, std::size_t exit) {
       return success();
     }
     BOOST_OUTCOME_TRY(apex, tile_.corner_towards(next, cell));
-    // The arc from `next` has capacity for the weight, and as much flow at once: what is left is the way back.
+    // The arc from `next` gets capacity for the weight, and carries as much flow at once. What is left is the arc back.
     std::uint32_t& arc = tile_.arc(cell, exit);
     arc = saturating(arc, weight);
     tile_.excess(cell) += weight;
@@ -90,15 +90,15 @@ Status RayCaster::follow(RayRecord ray, std::int32_t cell, std::size_t exit) {
   return tile_.corrupt("a ray goes through more cells than there are");
 }
 
-// The ray has come through `facet`, whose vertices stand counterclockwise seen from where it goes, and leaves across
-// the facet of the apex and that edge on whose two sides it passes inside. If it passes through the line of a vertex
-// and the apex, then not across the two facets of that edge: it begins in their planes.
+// The ray has come through `facet`, whose vertices appear counterclockwise from where the ray goes. It leaves across
+// the facet of the apex and of the edge between whose ends it passes. If the ray meets the line of a vertex and the
+// apex, it does not leave across the two facets of that edge: it begins in their planes.
 Result<std::size_t> RayCaster::exit_of(const RayRecord& ray, std::int32_t cell, std::array<std::int32_t, 3>& facet,
                                        std::size_t apex_corner) const {
   const std::int32_t apex = tile_.vertex(cell, apex_corner);
   const Point& x = tile_.point(apex);
   const auto of = [&](std::size_t i) { return side(ray, tile_.point(facet[i]), x); };
-  std::size_t away = 0;  // the vertex that is not of the facet it leaves across
+  std::size_t away = 0;  // the vertex that is not in the facet across which the ray leaves
   if (const int a = of(0); a < 0) {
     away = of(1) > 0 ? 2 : 0;
   } else if (a > 0) {

@@ -19,7 +19,7 @@ static_assert(rays_a_message * sizeof(RayRecord) < message_bytes_max);
 }  // namespace
 
 Status RaysProgram::begin() {
-  free();  // of what an image told that could not be read
+  free();  // of the content of an image that could not be read
   BOOST_OUTCOME_TRY(tile, store_.take(self_));
   tile_ = std::move(tile);
   tile_->begin_weights();
@@ -50,7 +50,8 @@ Status RaysProgram::cast() {
     }
     ++sums_.rays;
     sums_.guessed += sensor->guessed ? 1 : 0;
-    // Sparse and dense places have their own scale, but within bounds: an outlier's would reach through everything.
+    // Sparse and dense places have their own scale, but within bounds: with an outlier's scale a ray would reach
+    // through everything.
     const double sigma = scales.empty() ? median : std::clamp(scales[at], median / 4, median * 4);
     BOOST_OUTCOME_TRYV(caster.cast(v, sensor->at, sigma, input_->solidity.vote(row)));
   }

@@ -1,6 +1,6 @@
-// The program of a tile in the step rays: casts those of its own vertices, and goes on with those that come from other
-// tiles. What a ray does in a tile depends on the ray alone, so whoever gets one again knows it by its vertex and by
-// how far it has come.
+// The program of a tile in the step rays. It casts the rays of its own vertices, and continues rays that come from
+// other tiles. What a ray does in a tile depends on the ray alone, so a tile that gets a ray again recognises it by its
+// vertex, its side and its number of steps.
 #pragma once
 
 #include <compare>
@@ -21,7 +21,7 @@ class RayCaster;
 
 class RaysProgram final : public TileProgram {
  public:
-  // `store` outlives it.
+  // `store` outlives the program.
   RaysProgram(TileId self, std::shared_ptr<const StepInput> input, StepStore& store)
       : self_(self), input_(std::move(input)), store_(store) {}
 
@@ -44,7 +44,7 @@ class RaysProgram final : public TileProgram {
   const ExchangeCounts& counts() const override { return counts_; }
 
  private:
-  // A ray that came: of this vertex, on this side, after so many steps.
+  // A ray that has arrived: from this vertex, on this side, after so many steps.
   struct Known {
     PointId of;
     std::uint64_t steps = 0;
@@ -65,13 +65,13 @@ class RaysProgram final : public TileProgram {
   std::shared_ptr<const StepInput> input_;
   StepStore& store_;
   std::unique_ptr<SurfaceTile> tile_;  // null: put aside
-  SurfaceTile::Weights put_aside_;     // of the tile that is
+  SurfaceTile::Weights put_aside_;     // of the tile that was put aside
   RayCounts sums_;
   std::set<Known> known_;
   std::vector<RayRecord> waiting_;
   std::vector<Sent> sent_;
-  std::size_t told_ = 0;            // of those sent
-  std::vector<std::size_t> again_;  // of those told
+  std::size_t told_ = 0;            // how many of sent_ have been sent
+  std::vector<std::size_t> again_;  // which of these are to be sent again
   ExchangeCounts counts_;
 };
 

@@ -1,4 +1,4 @@
-// What a surface was made of, as one line that stands in the file of its triangles, so that it can be made again.
+// What a surface was made of, as one line in the file of its triangles, so that the surface can be made again.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,11 @@ namespace tessera::surface {
 struct Recipe {
   std::string triangulation;  // its digest
   std::string sensors;        // SensorOptions::text
-  SurfaceOptions options;     // but for sensors, and for what no triangle depends on
+  SurfaceOptions options;     // except sensors, and options on which no triangle depends
 };
 
 std::string recipe_of(const SurfaceOptions& options, const Manifest& manifest);
-// Nothing when the line is of something else. Error bad_input when it is damaged.
+// Returns nothing when the line is not a recipe. Error bad_input when a recipe is damaged.
 Result<std::optional<Recipe>> read_recipe(std::string_view line);
 
 }  // namespace tessera::surface

@@ -1,4 +1,4 @@
-// What tiles tell each other on the way to a surface. Whoever is told holds the cell, as it owns a vertex of it.
+// What tiles send each other on the way to a surface. A receiver always holds the cell, because it owns a vertex of it.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +13,37 @@ namespace tessera::surface {
 struct RayRecord {
   Point from, towards;
   double sigma = 0;
-  double reached = 0;  // how far from `from` the last facet was
+  double reached = 0;  // the distance of the last facet from `from`
   CellName cell;
   PointId opposite;
   std::uint32_t vote = 0;
-  std::uint32_t behind = 0;  // 1: it goes away from the sensor
-  std::uint64_t steps = 0;   // through cells, so far
-  PointId of;                // the vertex that it goes from
+  std::uint32_t behind = 0;  // 1: the ray goes away from the sensor
+  std::uint64_t steps = 0;   // cells that it has passed so far
+  PointId of;                // the vertex at which it begins
 };
 
-// To the cell's main tile: excess.
+// Excess, for the cell's main tile.
 struct VoteRecord {
   CellName cell;
   std::int64_t votes = 0;
 };
 
-// To the facet's main tile: what rays have given the arc out of the cell.
+// What rays have given to the arc out of the cell, for the facet's main tile.
 struct SumRecord {
   CellName cell;
   PointId opposite;
   std::uint32_t weight = 0, unused = 0;
 };
 
-// From the facet's main tile, which has heard of all sums, to the cell's main tile.
+// From the facet's main tile, which has received all sums, to the cell's main tile.
 struct ArcRecord {
   CellName cell;
-  PointId opposite, across;  // the corner of the cell, and of the one across the facet, that are not of the facet
-  TileId across_tile;        // in which the cell across is main
+  PointId opposite, across;  // the vertices of the cell and of the cell across the facet that are not in the facet
+  TileId across_tile;        // the main tile of the cell across
   std::uint32_t out = 0, in = 0, unused = 0;
 };
 
-// From a cell's main tile to the others that hold it.
+// From a cell's main tile to the other tiles that hold the cell.
 struct LabelRecord {
   CellName cell;
   std::uint64_t outside = 0;

@@ -11,8 +11,9 @@ constexpr double down_min = 0.25;  // the square of the cosine of 60 degrees
 
 }  // namespace
 
-// Sides of the hull lean over as well, where trees stand at the edge of a block: what is beyond those is not ground. So
-// a facet must look down more than it looks aside. The corners stand in one order, whatever the tile.
+// Sides of the hull can lean over, where trees stand at the edge of a block; what is beyond them is not ground. So the
+// normal of a facet must be within 60 degrees of straight down. The corners are taken in one order, so that all tiles
+// agree.
 bool is_inside_beyond(const SurfaceTile& tile, std::int32_t cell, std::size_t facet, const CutRule& rule) {
   if (!rule.lower_inside) return false;
   auto corners = tile.facet(cell, facet);
@@ -164,7 +165,8 @@ class Builder {
     return success();
   }
 
-  // The greatest set of the graph is what the smallest of the one with all turned round leaves.
+  // To get the greatest source set, source and sink change roles: the rest of the smallest source set of that graph is
+  // the greatest set of this one.
   Result<Region> take() {
     cut::CutGraph& graph = region_.graph;
     if (!rule_.unknown_inside) {
@@ -183,7 +185,7 @@ class Builder {
   cut::Arc arc_of(std::int32_t cell, std::size_t k) const { return 4 * number(cell) + static_cast<cut::Arc>(k); }
 
   Status add_own(std::int32_t cell, std::size_t k) {
-    if (tile_.main_tile(cell, k) != tile_.self()) return success();  // it is told
+    if (tile_.main_tile(cell, k) != tile_.self()) return success();  // another tile sends the arc
     const std::int32_t across = tile_.neighbor(cell, k);
     if (across == SurfaceTile::outside) {
       region_.graph.excess[number(cell)] += hull_vote(tile_, cell, k, energy_, rule_);
@@ -223,7 +225,7 @@ class Builder {
   SurfaceTile& tile_;
   const Energy& energy_;
   const CutRule& rule_;
-  BigVector<std::uint32_t> number_;  // by cell of the tile: in the graph
+  BigVector<std::uint32_t> number_;  // by cell of the tile: the cell in the graph
   Region region_;
 };
 

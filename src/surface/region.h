@@ -17,60 +17,63 @@
 namespace tessera::surface {
 
 struct CutRule {
-  bool lower_inside = true;    // beyond facets of the hull that look down, 60 degrees aside at most
-  bool unknown_inside = true;  // of all minimum cuts the one with the fewest cells outside; else with the most
+  // what is beyond hull facets that look down is inside; their normal is at most 60 degrees off straight down
+  bool lower_inside = true;
+  bool unknown_inside = true;  // of all minimum cuts the one with the fewest cells outside; else the one with the most
 };
 
-// Whether beyond this facet of the hull is inside.
+// Whether what is beyond this facet of the hull is inside.
 bool is_inside_beyond(const SurfaceTile& tile, std::int32_t cell, std::size_t facet, const CutRule& rule);
 
-// What rays have left here of other tiles' arcs and cells; forgets it.
+// Passes to the callbacks what rays have left here of other tiles' arcs and cells, and forgets it.
 void give_sums(SurfaceTile& tile, const std::function<void(TileId, const SumRecord&)>& sum,
                const std::function<void(TileId, const VoteRecord&)>& vote);
 Status take_sum(SurfaceTile& tile, const SumRecord& sum);
 Status take_vote(SurfaceTile& tile, const VoteRecord& vote);
 
-// When all sums have been taken: the arcs of cells that are main elsewhere, across facets that are main here.
+// Passes to the callbacks the arcs of cells that are main elsewhere, across facets that are main here; and votes of the
+// hull's facets for such cells. REQUIRES: all sums have been taken.
 Status give_arcs(const SurfaceTile& tile, const Energy& energy, const CutRule& rule,
                  const std::function<void(TileId, const ArcRecord&)>& arc,
                  const std::function<void(TileId, const VoteRecord&)>& vote);
 
-// An arc to a cell of another tile, as both sides name it.
+// An arc to a cell of another tile, by the name that both sides use.
 struct BorderName {
   std::array<PointId, 3> facet;  // ascending
   TileId to;
 };
 
-// A part of the cells: those that are main in a tile, in its order, or what several tiles have not decided.
+// Some of the cells: those that are main in a tile, in its order, or those that several tiles have not decided.
 struct Region {
   cut::CutGraph graph;
   std::vector<BorderName> names;        // of all arcs to other regions, also of cells that are decided
-  std::vector<cut::Decided> at_border;  // by name: what has become of the cell here
+  std::vector<cut::Decided> at_border;  // by name: what was decided of the cell here
   std::vector<std::uint32_t> borders;   // by border of the graph: its name
 };
-// When all votes have been taken. `arcs`: from other tiles.
+// Returns the region of a tile. `arcs`: from other tiles. REQUIRES: all votes have been taken.
 Result<Region> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule, std::span<const ArcRecord> arcs);
 
 // What is left of a region when it has decided what it can.
 struct RegionKernel {
-  cut::CutKernel kernel;  // its borders: of the region's names
+  cut::CutKernel kernel;  // its borders refer to the region's names
   std::vector<BorderName> names;
   std::vector<cut::Decided> at_border;
   cut::CellSet sources, open;  // of the region's cells: decided to be on the source's side; not decided
 };
-// `prove`: error internal when a cut that decides is not proved by its flow.
+// Decides what the region can decide by itself. `prove`: error internal when the flow of a cut that decides does not
+// prove it.
 Result<RegionKernel> kernel_of(Region region, bool prove);
 
-// Of a region that decides nothing by itself.
+// Returns the same for a region that decides nothing by itself.
 RegionKernel all_of(Region region);
 
-// What several regions have left, as one region, in which borders between them are none any more.
+// What several regions have left, as one region. Borders between these regions are inner arcs.
 struct JoinedRegion {
   Region region;
   std::vector<std::uint32_t> first;  // by region: its first cell
 };
-// `region_of`: in which of these regions the cells of a tile are; none: in another one. Forgets the graphs. Errors:
-// corrupt when two regions do not name the same borders; memory.
+// Joins regions, and forgets their graphs. `region_of`: in which of these regions the cells of a tile are; nothing: in
+// another region. Errors: corrupt when two regions do not name the same borders; memory.
 Result<JoinedRegion> join(std::vector<RegionKernel>& regions,
                           const std::function<std::optional<std::uint32_t>(TileId)>& region_of);
 

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of a folder that is locked: all but the lock goes, by which it is known as such a folder until it is empty. The plan
-// goes first, so that nobody goes on with a part of the rest.
+// Empties a locked folder. The lock stays to the end, as it marks the folder as one of a surface. The plan goes first,
+// so that no process continues from a part of the rest.
 Status clear(const fs::path& path) {
   BOOST_OUTCOME_TRYV(remove_whole(plan_file(path)));
   BOOST_OUTCOME_TRY(names, sorted_names(path));
@@ -60,11 +60,11 @@ RunFolder::~RunFolder() {
   if (!lock_) return;
   const auto begun = is_there(plan_file(path_));
   const bool stays = resume_ && !done_ && begun && begun.value();
-  // What stays goes when the surface is made anew.
+  // What cannot be removed now is removed when the surface is made again.
   const bool cleared = !stays && lock_->check() && clear(path_);
   lock_.reset();
   std::error_code others;
-  if (cleared) fs::remove(path_, others);  // stays when it is another process's by now
+  if (cleared) fs::remove(path_, others);  // stays when another process uses it by now
 }
 
 }  // namespace tessera::surface

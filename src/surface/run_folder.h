@@ -1,5 +1,5 @@
-// Where a surface is made: a folder beside what is written, which goes when the surface is there. When making it fails
-// and was to be resumed, the folder stays with what it has.
+// The folder in which a surface is made, beside what is written. It is removed when the surface is complete. If the job
+// fails and can be resumed, the folder stays with its content.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ namespace tessera::surface {
 
 class RunFolder {
  public:
-  // Makes the folder if there is none, and locks it. Without `resume`, what an earlier process has left there goes.
-  // Errors: io; usage when another process works there, or when something else stands there.
+  // Makes the folder if there is none, and locks it. Without `resume`, removes what an earlier process has left there.
+  // Errors: io; usage when another process works there, or when there is something else at the path.
   static Result<RunFolder> claim(std::filesystem::path path, bool resume, const LockOptions& lock = {});
   RunFolder(RunFolder&&) noexcept = default;
   RunFolder& operator=(RunFolder&&) = delete;
@@ -22,7 +22,7 @@ class RunFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path lock_file() const { return lock_->file(); }
-  // The surface is there.
+  // The surface is complete.
   void done() { done_ = true; }
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> origin_names{"x_origin", "y_origin", "z_origin"},
     normal_names{"nx", "ny", "nz"};
-// A return with others behind it votes so much less: leaves and twigs.
+// The vote of a return with others behind it: leaves and twigs.
 constexpr std::uint32_t intermediate_vote = full_vote / 8;
 
 double squared(const Point& a, const Point& b) {
@@ -43,7 +43,7 @@ Status Sensors::find(const std::vector<Attribute>& schema, bool wanted) {
   return success();
 }
 
-// The time of a point, and its flight line if there is such a field, in this order.
+// Finds the columns of a point's time and, if there is one, of its flight line, in this order.
 Status Sensors::find_times(const std::vector<Attribute>& schema) {
   const auto time = column_of(schema, "gps_time"), line = column_of(schema, "point_source_id");
   if (!time) return error(Errc::usage, "the points have no gps_time, by which a track tells where their sensor was");

@@ -1,4 +1,4 @@
-// Where the light came from that made a point.
+// From where a point was seen.
 #pragma once
 
 #include <cstddef>
@@ -19,48 +19,48 @@ namespace tessera {
 
 struct SensorOptions {
   enum class Kind : std::uint8_t {
-    automatic,  // of the fields, if there are any; else where pulses or scan angles say; else vertical
-    vertical,   // from straight above
+    automatic,  // from the fields, if there are any; else from pulses or scan angles; else vertical
+    vertical,   // straight above the point
     fields,     // x_origin, y_origin, z_origin of the point, or the direction nx, ny, nz of its normal
-    positions,  // the nearest of some
+    positions,  // the nearest of some positions
     track,      // where the scanner was at the point's gps_time
-    angles      // where the points' scan angles say; else vertical
+    angles      // from the points' scan angles; else vertical
   };
   Kind kind = Kind::automatic;
   std::string text = "auto";  // what was asked for
   std::vector<Point> positions = {};
   std::shared_ptr<const Track> track = {};
-  bool else_above = false;  // where the track does not say it, sensors are straight above
+  bool else_above = false;  // where the track says nothing, sensors are straight above
 };
 
 namespace surface {
 
-// Of one result. Constant once made: for several threads at once.
+// The sensors of the points of one result. Thread-safe once it is made.
 class Sensors {
  public:
-  // `bounds`: of all points. Errors: usage when the attributes lack what is wanted, or positions are none or not
-  // finite.
+  // `bounds`: of all points. Errors: usage when attributes that are needed are missing, or when positions are missing
+  // or not finite.
   static Result<Sensors> make(const SensorOptions& options, const std::vector<Attribute>& schema, const Bounds& bounds);
 
-  // From then on sensors are where the points' own pulses or scan angles say; straight above where these do not say it.
-  // When they say nothing at all, sensors stay straight above, or the error is usage if it is by angles alone that they
-  // were to be found. REQUIRES: an estimate is wanted. Error usage as of make(), too.
+  // From now on sensors come from the points' own pulses or scan angles; where these say nothing, sensors are straight
+  // above. When the estimate says nothing at all, sensors stay straight above; error usage if only angles were asked
+  // for. Also error usage as make(). REQUIRES: an estimate is wanted.
   Status use_estimate(const EstimatedTrack& estimate, const std::vector<Attribute>& schema);
-  // Whether nothing better than straight above was found.
+  // Whether nothing better than straight above was found, so that pulses or angles are wanted.
   bool wants_pulses() const { return how_ == How::vertical && automatic_; }
   bool wants_angles() const { return how_ == How::vertical && (automatic_ || by_angles_); }
 
   struct Sensor {
     Point at;
-    bool guessed = false;  // its track does not reach to the point's time: it is taken to be straight above
+    bool guessed = false;  // the track does not cover the point's time, so the sensor is taken to be straight above
   };
-  // Of a point and the row of its attributes; nothing when the row says nothing: not finite, or no direction.
-  // Error usage when the sensor is at the point.
+  // Returns the sensor of a point with this row of attributes; nothing when the row says nothing: not finite, or no
+  // direction. Error usage when the sensor is at the point.
   Result<std::optional<Sensor>> of(const Point& point, PointId id, const std::byte* row) const;
 
-  // Options that give the same sensors, with nothing left to find out.
+  // Returns options that give the same sensors without estimating again.
   SensorOptions found() const;
-  // A sentence on what is used, and why.
+  // A sentence: what is used, and why.
   const std::string& used() const { return used_; }
 
  private:
@@ -70,17 +70,17 @@ class Sensors {
   Point read(const std::byte* row) const;
 
   How how_ = How::vertical;
-  std::vector<RowColumn> fields_;  // as how_ wants them
+  std::vector<RowColumn> fields_;  // the columns that how_ needs
   std::vector<Point> positions_;
   std::shared_ptr<const Track> track_;
   bool automatic_ = false, by_angles_ = false;
-  double far_ = 0;  // more than any two points are apart
+  double far_ = 0;  // more than the distance of any two points
   double top_ = 0;
   std::string used_;
 };
 
-// How much what is behind a point is inside, of full_vote: light that went on after an intermediate return did not meet
-// a wall. By the attributes return_number and number_of_returns, where there are any.
+// How strongly a point votes that what is behind it is inside, up to full_vote. Light that went on after an
+// intermediate return did not meet a wall. Uses the attributes return_number and number_of_returns, if there are any.
 class Solidity {
  public:
   explicit Solidity(const std::vector<Attribute>& schema);

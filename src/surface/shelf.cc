@@ -51,7 +51,7 @@ Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
 Shelf::Leaving Shelf::too_much() {
   Leaving leaving;
   while (held_ > memory_bytes_) {
-    // Passes go through the tiles in one order: the one used last is needed last.
+    // Passes go through the tiles in one order, so the tile used last is needed last.
     const std::size_t last = order_.back();
     order_.pop_back();
     auto found = here_.find(last);
@@ -70,7 +70,7 @@ Status Shelf::put_down(Leaving leaving) {
     one = nullptr;
     if (!saved && all) all = std::move(saved);
     const std::lock_guard lock(mutex_);
-    on_disk_[number] = OnDisk::yes;  // or the error ends all
+    on_disk_[number] = OnDisk::yes;  // also after an error, which ends the job
     written_.notify_all();
   }
   return all;

@@ -1,4 +1,4 @@
-// The tiles of a result that are worked on: in memory while they fit, on disk else.
+// The tiles of a result that are worked on: in memory while they fit, else on disk.
 #pragma once
 
 #include <condition_variable>
@@ -18,7 +18,7 @@
 
 namespace tessera::surface {
 
-// For several threads at once, but a tile for one at a time.
+// Thread-safe, but a tile may be used by one thread at a time.
 class Shelf {
  public:
   // `folder`: for tiles that do not fit into `memory_bytes`.
@@ -28,7 +28,7 @@ class Shelf {
         memory_bytes_(memory_bytes),
         on_disk_(source_.tiles(), OnDisk::no) {}
 
-  // Without weights. Errors: of reading.
+  // Returns a tile without weights. Errors: of reading.
   Result<std::unique_ptr<SurfaceTile>> take(std::size_t index);
   Status give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile);
   const TileSource& source() const { return source_; }
@@ -36,7 +36,7 @@ class Shelf {
  private:
   std::filesystem::path cells_path(std::size_t index) const { return surface_cells_file(folder_, index); }
   using Leaving = std::vector<std::pair<std::size_t, std::unique_ptr<SurfaceTile>>>;
-  Leaving too_much();  // REQUIRES: the lock
+  Leaving too_much();  // Takes tiles out of memory until the others fit. REQUIRES: the lock is held.
   Status put_down(Leaving leaving);
   Status put_down(std::size_t index, const SurfaceTile& tile) const;
   Result<std::unique_ptr<SurfaceTile>> from_result(std::size_t index) const;
@@ -49,7 +49,7 @@ class Shelf {
   std::mutex mutex_;
   std::condition_variable written_;
   std::map<std::size_t, std::unique_ptr<SurfaceTile>> here_;
-  std::list<std::size_t> order_;  // of those here, the longest unused first
+  std::list<std::size_t> order_;  // of the tiles in memory, the longest unused first
   std::uint64_t held_ = 0;
 };
 

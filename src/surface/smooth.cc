@@ -20,11 +20,11 @@ namespace tessera::surface {
 
 namespace {
 
-// The factors of the two steps; Taubin's pass band ends at 1 / forth + 1 / back = 0.1.
+// The factors of the two steps. Taubin's pass band ends at 1 / forth + 1 / back = 0.1.
 constexpr double forth = 0.5, back = -1 / 1.9;
-constexpr std::uint64_t mail_part = 16;  // of the memory, for each of two turns
+constexpr std::uint64_t mail_part = 16;  // a part of the memory, for each of two turns
 
-// Where a vertex of another tile is now.
+// The new position of a vertex of another tile.
 struct PlaceRecord {
   PointId vertex;
   Point at;
@@ -34,12 +34,12 @@ struct PlaceRecord {
 struct Sheet {
   std::vector<Point> at;                // by vertex
   std::vector<std::uint32_t> first;     // by own vertex: where its neighbours begin
-  std::vector<std::uint32_t> beside;    // neighbours of own vertices, by their ids
+  std::vector<std::uint32_t> beside;    // neighbours of own vertices, ordered by their ids
   std::vector<std::uint8_t> ends;       // by own vertex: 1 where the surface ends, so that it stays
-  std::vector<std::uint64_t> ids;       // of foreign vertices, ascending,
-  std::vector<std::uint32_t> foreign;   // and which they are
-  std::vector<std::uint32_t> told, to;  // own vertices and the numbers of the tiles that hold them, too
-  std::vector<std::uint64_t> told_ids;  // of these vertices
+  std::vector<std::uint64_t> ids;       // of foreign vertices, ascending
+  std::vector<std::uint32_t> foreign;   // beside ids: which vertices they are
+  std::vector<std::uint32_t> told, to;  // own vertices, and the numbers of the other tiles that hold them
+  std::vector<std::uint64_t> told_ids;  // ids of these vertices
 
   template <class Self, class Use>
   static void each(Self& self, const Use& use) {
@@ -66,7 +66,7 @@ double height_of(const StoredTile& tile, std::size_t v, std::size_t width) {
   return z;
 }
 
-// REQUIRES: own vertices come first.
+// Makes the sheet of a tile. REQUIRES: own vertices come first.
 Result<Sheet> sheet_of(const TileSource& source, const StoredTile& tile, TileId self) {
   const TileMesh& mesh = tile.mesh;
   const std::size_t n = mesh.points.size(), width = row_bytes(tile.schema);
@@ -124,7 +124,7 @@ Result<Sheet> sheet_of(const TileSource& source, const StoredTile& tile, TileId 
   return sheet;
 }
 
-// Own vertices to new places, by where all were before.
+// Moves own vertices, by the positions of all vertices before.
 void move(Sheet& sheet, double factor) {
   const std::size_t own = sheet.ends.size();
   std::vector<Point> moved(own);
@@ -175,7 +175,7 @@ class Smoother {
  private:
   using Mail = Post<PlaceRecord>;
 
-  // What was told in one turn is read in the next.
+  // Does one step. Messages of one turn are read in the next.
   Status step(unsigned turn) {
     std::atomic<std::size_t> next{0};
     return on_threads(options_.how.threads, stopped_, [&]() -> Status {

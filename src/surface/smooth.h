@@ -1,6 +1,6 @@
-// Takes noise out of a surface: each vertex goes halfway to the mean of its neighbours, then all go back a little
-// farther than that, so that the surface does not shrink. After G. Taubin, A signal processing approach to fair surface
-// design, SIGGRAPH 1995. Sums are in the order of ids, so that no tiling and no thread changes a bit.
+// Takes noise out of a surface. Each vertex moves halfway to the mean of its neighbours; then all move back a little
+// farther, so that the surface does not shrink. After G. Taubin, A signal processing approach to fair surface design,
+// SIGGRAPH 1995. Sums are in the order of ids, so no tiling and no thread changes a bit.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,13 @@
 namespace tessera::surface {
 
 struct SmoothOptions {
-  unsigned rounds = 1;  // of both steps
+  unsigned rounds = 1;  // each round does both steps
   TileWork how;
-  std::function<void(double)> progress = {};  // or null
+  std::function<void(double)> progress = {};  // called with the fraction that is done; or null
 };
 
-// The triangles of `from`, with vertices moved, to `to`. Vertices where the surface ends stay. `scratch`: an empty
-// folder.
+// Writes the triangles of `from`, with moved vertices, to `to`. Vertices at the ends of the surface stay. `scratch`: an
+// empty folder.
 Status smooth(const TileSource& from, TriangleStore& to, const std::filesystem::path& scratch,
               const SmoothOptions& options);
 

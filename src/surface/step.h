@@ -1,14 +1,14 @@
-// The steps by which the tiles of a result come to a surface: each is a stage of the exchange (src/exchange), so that a
-// step begins when all tiles, wherever they are, have come to the end of the one before.
+// The steps by which the tiles of a result make a surface. Each step is a stage of the exchange (src/exchange), so a
+// step begins when all tiles, on whichever node, have finished the step before.
 //
-//   scales    | of each own vertex, by its edges; the first tile hears of all and finds the median
-//   rays      | of own vertices; then of those that come from other tiles
-//   sums      | what rays have left of facets and cells goes to their main tiles
-//   arcs      | facets' main tiles tell cells' main tiles of arcs; each tile decides what it can alone
-//   groups    | the first tile of some neighbours decides what they can together (groups.h)
-//   districts | likewise of some groups
+//   scales    | each tile finds the scales of its vertices from their edges; the first tile finds the median of all
+//   rays      | each tile casts the rays of its vertices, and continues rays that come from other tiles
+//   sums      | what rays have left on facets and cells goes to their main tiles
+//   arcs      | facets' main tiles send arcs to cells' main tiles; each tile decides what it can alone
+//   groups    | the first tile of some neighbours decides what these can decide together (groups.h)
+//   districts | the same for some groups
 //   cut       | the first of all tiles decides the rest
-//   triangles | cells' main tiles tell the others that hold them on which side they are
+//   triangles | cells' main tiles tell the other tiles that hold a cell on which side it is
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace tessera::surface {
 enum class Step : std::uint8_t { scales, rays, sums, arcs, groups, districts, cut, triangles };
 inline constexpr std::uint32_t steps_count = 8;
 
-// What is kept of a tile after a step, for later ones; and beside that, of the steps scales, rays, arcs, groups and
-// districts.
+// What is kept of a tile for later steps: one kind for each step, then further kinds of the steps scales, rays, arcs,
+// groups and districts.
 enum class Kept : std::uint8_t {
   scales,
   rays,

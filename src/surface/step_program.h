@@ -1,5 +1,5 @@
-// The program of a tile in a step whose mail follows from what the steps before have left alone: it tells all at once,
-// and works on what it is told when all is quiet. After a loss it tells the same pieces again.
+// The program of a tile in a step whose messages follow from what earlier steps have kept. The tile sends everything at
+// once, and works on what it has received when all is quiet. After a loss it sends the same pieces again.
 #pragma once
 
 #include <memory>
@@ -13,10 +13,10 @@
 
 namespace tessera::surface {
 
-// What is left of a tile at a step's end.
+// What is left of a tile at the end of a step.
 class StepEnd final : public Finished {
  public:
-  // The last of it to be written is `bytes`: once they are there, the tile has come to the end.
+  // `bytes` are written last: once they are there, the tile has finished the step.
   StepEnd(StepStore& store, Kept what, TileId tile, Bytes bytes)
       : store_(store), what_(what), tile_(tile), bytes_(std::move(bytes)) {}
   std::uint64_t bytes() const override { return bytes_.size(); }
@@ -29,19 +29,19 @@ class StepEnd final : public Finished {
   Bytes bytes_;
 };
 
-// What tiles do in such a step. For several tiles at once.
+// What tiles do in such a step. Thread-safe, for several tiles at once.
 class StepWork {
  public:
   virtual ~StepWork() = default;
-  // The same whenever it is called.
+  // Adds all that the tile sends. Makes the same pieces at every call.
   virtual Status tell(TileId self, PieceOutbox& out) const = 0;
-  // What is kept of the tile for later steps. May keep more beside it before.
+  // Returns what is kept of the tile for later steps. May first keep more in the store.
   virtual Result<Bytes> end(TileId self, const PieceInbox& told) const = 0;
 };
 
 class StepProgram final : public TileProgram {
  public:
-  // `work` and `store` outlive it.
+  // `work` and `store` outlive the program.
   StepProgram(TileId self, const StepWork& work, StepStore& store, Step step)
       : self_(self), work_(work), store_(store), step_(step) {}
 
@@ -64,7 +64,7 @@ class StepProgram final : public TileProgram {
   const ExchangeCounts& counts() const override { return counts_; }
 
  private:
-  // To these tiles (ascending); none: to all.
+  // Sends to these tiles (ascending); empty: to all.
   Status tell(std::span<const TileId> to);
 
   TileId self_;

@@ -1,4 +1,4 @@
-// Where the steps of a surface find tiles, and what the steps before have left of them.
+// Where the steps of a surface find tiles, and what earlier steps have kept of them.
 #pragma once
 
 #include <cstddef>
@@ -16,21 +16,21 @@ namespace tessera::surface {
 
 using Bytes = BigVector<std::byte>;
 
-// For several threads at once, but a tile for one at a time.
+// Thread-safe, but a tile may be used by one thread at a time.
 class StepStore {
  public:
   virtual ~StepStore() = default;
 
-  // As the result has it, without weights. Errors: of reading.
+  // Returns a tile as the result has it, without weights. Errors: of reading.
   virtual Result<std::unique_ptr<SurfaceTile>> take(TileId tile) = 0;
-  // It may stay in memory for whoever takes it next.
+  // Gives a tile back. It may stay in memory for the next take().
   virtual Status give_back(std::unique_ptr<SurfaceTile> tile) = 0;
 
-  // Every node of the job reads what one has written. It is written once, or the same again.
+  // Keeps bytes of a tile; every node of the job can read them. They are written once, or again with the same content.
   virtual Status write(Kept what, TileId tile, std::span<const std::byte> bytes) = 0;
-  // Error corrupt when it is not there, or not what was written.
+  // Error corrupt when the bytes are missing, or are not what was written.
   virtual Result<Bytes> read(Kept what, TileId tile) = 0;
-  // A tile of the surface. The bytes say what is to be known of it in the end.
+  // Stores a tile of the surface. Returns bytes that describe it, for the end of the job.
   virtual Result<Bytes> keep_triangles(TileId tile, const StoredTile& triangles) = 0;
 };
 

@@ -19,7 +19,7 @@ namespace tessera::surface {
 
 namespace {
 
-// Bins of scales: exponent and first bits of a double, so that a bin is an eighth of a percent wide.
+// Bins of scales: the exponent and the first bits of a double. A bin is an eighth of a percent wide.
 constexpr unsigned bin_shift = 43;
 std::uint32_t bin_of(double scale) {
   return static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(scale) >> bin_shift);
@@ -86,7 +86,7 @@ class ScalesWork final : public KeptWork {
     for (const double scale : scales) ++counts[bin_of(scale)];
     return counts;
   }
-  // The median's bin, at its lower end: a function of all scales, whatever order they come in.
+  // Returns the lower end of the median's bin: it does not depend on the order of the scales.
   static Result<double> median_of(const Bins& counts) {
     std::uint64_t all = 0, below = 0;
     for (const auto& [bin, count] : counts) all += count;
@@ -148,7 +148,8 @@ class ArcsWork final : public KeptWork {
     BOOST_OUTCOME_TRYV(store().write(Kept::kernel, self, bytes_of(kernel)));
     return bytes_of(KeptSides{kernel.kernel.cells.size(), std::move(kernel.sources), std::move(kernel.open)});
   }
-  // The tile with what rays have left of arcs across its facets, all rays, and of its own cells, those that came here.
+  // Returns the tile with the arcs that all rays have given to facets that are main here. Its own cells have only the
+  // excess of rays that came here; the votes of other tiles are added later.
   Result<std::unique_ptr<SurfaceTile>> with_sums(TileId self, const PieceInbox& mail) const {
     BOOST_OUTCOME_TRY(rays, kept<KeptRays>(Kept::rays, self));
     BOOST_OUTCOME_TRY(tile, store().take(self));
@@ -210,7 +211,7 @@ class TrianglesWork final : public KeptWork {
   }
 
  private:
-  // Of cells that are main here; others are unknown.
+  // Returns the labels of cells that are main here; other labels are unknown.
   Result<std::vector<Label>> own_labels(const SurfaceTile& tile) const {
     BOOST_OUTCOME_TRY(alone, kept<KeptSides>(Kept::arcs, tile.self()));
     const bool fits = alone.sources.holds(static_cast<std::size_t>(main_cells(tile))) &&

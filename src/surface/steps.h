@@ -14,15 +14,15 @@
 
 namespace tessera::surface {
 
-// The same in all processes.
+// Equal in all processes of a job.
 struct StepOptions {
   Energy energy;
   CutRule rule;
   Boundary boundary;
-  bool splits = false;  // finds what is to be split where the surface is not manifold
-  bool prove = false;   // each cut by its flow
-  // All cells are decided at once, by one tile, for which there is memory: no tile decides anything alone before. For
-  // machines of few threads, as that is less work.
+  bool splits = false;  // whether to find what must be split where the surface is not manifold
+  bool prove = false;   // whether each cut is proved by its flow
+  // One tile, for which there is memory, decides all cells at once, and no tile decides anything alone before. That is
+  // less work, so it serves machines with few threads.
   bool together = false;
 };
 
@@ -30,15 +30,15 @@ struct StepInput {
   StepOptions options;
   Sensors sensors;
   Solidity solidity;
-  std::vector<TileId> tiles;  // those that have points, ascending: the first one does what one alone must do
-  std::uint64_t cells = 0;    // of the whole
+  std::vector<TileId> tiles;  // tiles that have points, ascending; the first does what only one tile can do
+  std::uint64_t cells = 0;    // of the whole triangulation
   std::stop_token stop = {};  // once requested, long work soon throws Stopped
 };
 
 std::shared_ptr<const TilePrograms> programs_of(Step step, std::shared_ptr<const StepInput> input,
                                                 std::shared_ptr<StepStore> store);
 
-// What the step scales has found, or what was given.
+// Returns the scale that the step scales has found, or that was given.
 Result<double> sigma_of(const StepInput& input, StepStore& store);
 
 }  // namespace tessera::surface

@@ -1,4 +1,4 @@
-// Whoever runs the steps of a surface: an engine, of one process or of a cluster (src/job/engine_steps.h).
+// Runs the steps of a surface. An engine does that, in one process or on a cluster (src/job/engine_steps.h).
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,14 @@ namespace tessera::surface {
 class StepsRunner {
  public:
   virtual ~StepsRunner() = default;
-  // To the end of the last step; those that a run folder has behind it are not run again. The plan stands in the run
-  // folder. `lock_file`: of who may write there (check_held()). `part`: told how much is done, from 0 to 1; or null.
+  // Runs the steps to the end of the last one; steps that the run folder has finished are not run again. The plan is in
+  // the run folder. `lock_file`: the lock that must be held to write there (check_held()). `part`: called with the
+  // fraction that is done, from 0 to 1; or null.
   virtual Status run(const std::filesystem::path& result, const std::filesystem::path& run,
                      const std::filesystem::path& lock_file, const std::function<void(double)>& part,
                      const std::stop_token& stop) = 0;
-  // Memory for what is better done by one tile than by all, as few threads work on them; 0: none.
+  // Returns the memory for work that one tile does better than all tiles, because few threads work on them; 0: all
+  // tiles do it.
   virtual std::uint64_t bytes_of_one() const = 0;
 };
 

@@ -11,18 +11,18 @@
 
 namespace tessera::surface {
 
-// Of a tile that is worked on, beside what reading it takes: stars and weights, its graph, a copy of that, trees.
+// What a tile takes while it is worked on, beside reading it: stars and weights, its graph, a copy of that, trees.
 inline constexpr std::uint64_t bytes_a_cell = 170;
 
 inline constexpr const char* kind_of_surface = "surface";  // ShareSpec::stages
 
-// All that steps do depends on it, and on the result.
+// The job. The steps depend on it and on the result alone.
 struct SurfacePlan {
   StepOptions options;
-  SensorOptions sensors;     // with nothing left to find out
+  SensorOptions sensors;     // with nothing left to estimate
   std::string result;        // the digest of the triangulation
-  std::string tiles;         // checksum of its tiles, in which another result of the same digest may differ
-  std::uint64_t number = 0;  // of the run, at random: plans of two runs are never the same
+  std::string tiles;         // checksum of its tile list: results with equal digests may differ in it
+  std::uint64_t number = 0;  // random number of the run, so that plans of two runs always differ
 };
 std::string to_json(const SurfacePlan& plan);
 // `name`: of the file, for errors. Error corrupt.

@@ -105,7 +105,7 @@ double SurfaceTile::scale_of(std::int32_t v) {
 }
 
 Result<std::int32_t> SurfaceTile::find(const CellName& wanted) const {
-  std::uint64_t sum = 0;  // by which most cells are told apart
+  std::uint64_t sum = 0;  // most cells differ in it
   for (const PointId corner : wanted) sum += corner.value;
   for (const PointId corner : wanted) {
     const auto found = std::lower_bound(by_id_.begin(), by_id_.end(), corner,

@@ -16,14 +16,14 @@
 
 namespace tessera::surface {
 
-// A cell, whoever holds it: the source indices of its vertices, ascending.
+// The name of a cell in all tiles: the source indices of its vertices, ascending.
 using CellName = std::array<PointId, 4>;
-// The corners of the facet opposite each corner of a positively oriented cell, counterclockwise from outside.
+// The corners of the facet opposite each corner of a positively oriented cell, counterclockwise as seen from outside.
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> facet_corners{{{1, 2, 3}, {0, 3, 2}, {3, 0, 1}, {2, 1, 0}}};
 
 class SurfaceTile {
  public:
-  static constexpr std::int32_t outside = -1, elsewhere = -2;  // neighbours
+  static constexpr std::int32_t outside = -1, elsewhere = -2;  // values of neighbor(): beyond the hull; in another tile
 
   // `name`: the tile's file, for errors. Error corrupt when it is not a tile in 3D with neighbours.
   static Result<SurfaceTile> make(TileId self, std::string name, StoredTile stored);
@@ -46,21 +46,23 @@ class SurfaceTile {
   bool is_main(std::int32_t cell) const { return mesh().cell_ghost[static_cast<std::size_t>(cell)] == 0; }
 
   CellName name(std::int32_t cell) const;
-  // The tile in which the cell is main: the lowest that owns a vertex of it; likewise of a facet.
+  // Returns the main tile of the cell, the lowest that owns a vertex of it; and likewise of a facet.
   TileId main_tile(std::int32_t cell) const;
   TileId main_tile(std::int32_t cell, std::size_t facet) const;
   std::array<Corner, 3> facet(std::int32_t cell, std::size_t opposite) const;
-  // The corner of the cell that is this vertex. Error corrupt when none is.
+  // Returns which corner of the cell has this id. Error corrupt when none has.
   Result<std::size_t> corner_of(std::int32_t cell, PointId id) const;
-  // The corner of a cell opposite the facet across which `from` is. Error corrupt when they contradict each other.
+  // Returns the corner of a cell opposite the facet across which the cell `from` is. Error corrupt when the two cells
+  // contradict each other.
   Result<std::size_t> corner_towards(std::int32_t cell, std::int32_t from) const;
 
-  // The cells around an own vertex.
+  // Returns the cells around an own vertex.
   std::span<const std::uint32_t> star(std::int32_t own_vertex) const;
-  // The scale of an own vertex, from the median of the lengths of its edges.
+  // Returns the scale of an own vertex, from the median of the lengths of its edges.
   double scale_of(std::int32_t own_vertex);
-  void forget_marks() { marked_ = {}; }  // what scale_of() keeps between calls
-  // Error corrupt when there is no such cell, or when none of its vertices is the tile's own.
+  void forget_marks() { marked_ = {}; }  // frees what scale_of() keeps between calls
+  // Returns the cell of this name. Error corrupt when there is no such cell, or when none of its vertices is the tile's
+  // own.
   Result<std::int32_t> find(const CellName& name) const;
 
   // What rays add to: the arc out of a cell across a facet, and the excess of a cell.
@@ -70,18 +72,18 @@ class SurfaceTile {
   }
   std::int64_t& excess(std::int32_t cell) { return excess_[static_cast<std::size_t>(cell)]; }
   void begin_weights();
-  void forget_weights();  // when nobody needs them any more
+  void forget_weights();  // frees the weights
   bool has_weights() const { return !excess_.empty(); }
   struct Weights {
     BigVector<std::uint32_t> arcs;
     BigVector<std::int64_t> excess;
   };
   Weights weights() const { return {arcs_, excess_}; }
-  Weights take_weights();  // forgets them
-  // Error corrupt when they are not of so many cells.
+  Weights take_weights();  // moves them out
+  // Error corrupt when the weights are not of the same number of cells.
   Status put_weights(Weights weights);
 
-  // To a file, and back, without weights.
+  // Save the tile to a file, and load it back, without weights.
   Status save_cells(const std::filesystem::path& file) const;
   static Result<SurfaceTile> load_cells(TileId self, std::string name, const std::filesystem::path& file,
                                         const std::vector<Attribute>& schema);
@@ -101,7 +103,7 @@ class SurfaceTile {
   std::vector<std::int32_t> by_id_;                   // own vertices
   BigVector<std::uint32_t> arcs_;
   BigVector<std::int64_t> excess_;
-  std::vector<std::int32_t> marked_;  // by vertex: the last own vertex, plus 1, whose edges were looked at
+  std::vector<std::int32_t> marked_;  // by vertex: 1 + the last own vertex whose edges were looked at
 };
 
 }  // namespace tessera::surface

@@ -26,7 +26,7 @@ Manifest manifest_of_triangles(const Manifest& from) {
   manifest.dimension = 2;
   manifest.neighbors = false;
   manifest.columns.clear();
-  manifest.partition_kind = "random";  // no box of a tile says where its triangles are
+  manifest.partition_kind = "random";  // the box of a tile does not say where its triangles are
   manifest.partition = json_text(nlohmann::json{
       {"kind", "random"}, {"dimension", 2}, {"tiles", manifest.boxes.size()}, {"splits", nlohmann::json::array()}});
   manifest.duplicates = manifest.duplicates_xxh3 = 0;

@@ -1,5 +1,5 @@
-// A surface's triangles on their way to a file: a 2D result with the heights as first attribute, of the tiles of the
-// triangulation that they come from.
+// Stores a surface's triangles as a 2D result with the heights as first attribute. Its tiles are those of the
+// triangulation that the triangles come from.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,20 @@
 
 namespace tessera::surface {
 
+// Collects the tiles of such a result, and writes its manifest.
 class TriangleStore {
  public:
-  // Of the result with this manifest; or of triangles that are to be written once more.
+  // `from`: the manifest of the triangulation, or of triangles that are written again.
   TriangleStore(std::filesystem::path folder, const Manifest& from);
 
   const std::filesystem::path& folder() const { return folder_; }
   const Manifest& manifest() const { return manifest_; }
-  // A tile, for several threads at once; one without triangles is left out.
+  // Writes a tile; a tile without triangles is left out. Thread-safe.
   Status add(TileId tile, const StoredTile& triangles, const std::stop_token& stop);
-  // One that was written there.
+  // Adds a tile that was written to the folder before.
   void add(TileEntry entry);
-  // When all have been added. `ids`: all ids are less. Error usage when there is no triangle.
+  // Completes the result, when all tiles have been added. `ids`: all ids are less. Error usage when there is no
+  // triangle.
   Status finish(std::uint64_t ids);
 
  private:
@@ -34,7 +36,7 @@ class TriangleStore {
   std::mutex mutex_;
 };
 
-// Each tile of a result to one of some threads, which is told its number.
+// How for_each_tile() works: it gives each tile of a result, with its index, to one of some threads.
 struct TileWork {
   unsigned threads = 1;
   std::uint64_t memory_bytes = 0;

@@ -56,7 +56,8 @@ class Collector {
     facets_.push_back(facet);
   }
 
-  // Squares are compared as they are rounded, in the order of the vertices' ids: all tiles agree.
+  // Returns the longest edge. Lengths are rounded, but the edges are taken in the order of the vertices' ids, so all
+  // tiles agree.
   double longest(std::array<std::int32_t, 3> at) const {
     std::sort(at.begin(), at.end(), [&](std::int32_t a, std::int32_t b) { return tile_.id(a) < tile_.id(b); });
     double most = 0;

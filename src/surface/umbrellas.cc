@@ -10,10 +10,10 @@ namespace tessera::surface {
 namespace {
 
 constexpr std::size_t none = ~std::size_t{0};
-// Of the way to the mean: small against the triangles, and more than the steps of floats of 32 bits.
+// How far a copy moves towards the mean: small against the triangles, and more than the steps of 32-bit floats.
 constexpr double off = 1.0 / 64;
 
-// A triangle at some vertex: its number among all facets, and the other two of its vertices.
+// A triangle at a vertex: its number among all facets, and its other two vertices.
 struct Leaf {
   std::size_t facet = 0;
   std::array<std::int32_t, 2> others{};
@@ -57,7 +57,7 @@ class Umbrellas {
     return out;
   }
 
-  // What is beyond a facet of the hull.
+  // Whether what is beyond a facet of the hull is outside.
   bool outside_beyond(std::int32_t cell, std::size_t corner) const {
     return boundary_.below || !is_inside_beyond(tile_, cell, corner, rule_);
   }
@@ -68,7 +68,7 @@ class Umbrellas {
     return found != by_place_.end() && found->first == wanted.first ? found->second : none;
   }
 
-  // Round the edge v-u from one facet of the hull to the other: it is in the star of v.
+  // Goes round the edge v-u from one facet of the hull to the other, which is in the star of v.
   Result<SurfaceFacet> other_hull_facet(std::int32_t v, std::int32_t u, std::int32_t cell, std::size_t corner) const {
     for (const std::uint32_t other : tile_.star(v)) {
       const auto c = static_cast<std::int32_t>(other);
@@ -86,7 +86,8 @@ class Umbrellas {
     return tile_.corrupt("an edge of the hull has one facet of it");
   }
 
-  // The triangle that follows around the edge v-u where only outside lies between; `none` where the surface ends.
+  // Returns the next triangle around the edge v-u, such that only outside lies between the two; `none` where the
+  // surface ends.
   Result<std::size_t> beside(std::size_t facet, std::int32_t v, std::int32_t u) const {
     std::int32_t cell = facets_[facet].cell;
     std::size_t corner = facets_[facet].corner;  // of the cell, opposite the facet that was crossed
@@ -109,7 +110,7 @@ class Umbrellas {
           if (!outside(cell)) return number_of(cell, corner);
         }
       }
-      // In a cell that is outside, entered opposite `corner`: it is left opposite the vertex that is neither.
+      // The cell is outside, and was entered opposite `corner`. It is left opposite the vertex that is neither v nor u.
       std::size_t out = none;
       for (std::size_t k = 0; k < 4; ++k)
         if (k != corner && tile_.vertex(cell, k) != v && tile_.vertex(cell, k) != u) out = k;
@@ -123,7 +124,7 @@ class Umbrellas {
 
   static std::int32_t third(const Leaf& leaf, std::int32_t u) { return leaf.others[leaf.others[0] == u ? 1 : 0]; }
 
-  // From a place towards the mean of some vertices. The order of sums is that of ids.
+  // Moves a point a little towards the mean of some vertices. Sums are in the order of ids.
   Point a_little(Point from, std::vector<std::int32_t> to) const {
     std::ranges::sort(to, {}, [&](std::int32_t v) { return tile_.id(v); });
     const auto again = std::ranges::unique(to);
@@ -141,7 +142,7 @@ class Umbrellas {
   }
 
   Status look_at(std::int32_t v, std::span<const Leaf> leaves) {
-    std::vector<std::size_t> fan(leaves.size());  // a forest; roots are fans
+    std::vector<std::size_t> fan(leaves.size());  // a forest; each root is a fan
     std::iota(fan.begin(), fan.end(), std::size_t{0});
     const auto root = [&](std::size_t i) {
       while (fan[i] != i) i = fan[i] = fan[fan[i]];

@@ -1,5 +1,5 @@
-// How the triangles of a surface hang together where more than two of them meet at an edge, or more than one fan of
-// them at a vertex: two triangles belong together at an edge if nothing but outside lies between them.
+// Finds which triangles of a surface belong together, where an edge has more than two of them or a vertex has more than
+// one fan of them. Two triangles belong together at an edge if only outside lies between them.
 #pragma once
 
 #include <array>
@@ -14,23 +14,23 @@
 
 namespace tessera::surface {
 
-// A corner of a triangle that belongs to another fan than the vertex's first: its copy of the vertex, 1 for the second
-// fan. A vertex's fans are ordered by their least triangles.
+// A corner of a triangle that belongs to another fan than the vertex's first. `copy`: the number of the fan, and of the
+// vertex's copy; 1 is the second fan. A vertex's fans are ordered by their least triangles.
 struct SplitCorner {
   TriangleName triangle;
   PointId vertex;
   std::uint32_t copy = 0;
 };
 
-// Where such a copy stands: a little off the vertex, towards the mean of the fan's other vertices, so that programs
-// that tell vertices by their coordinates do not take it for the vertex.
+// Where a copy of a vertex stands: a little off the vertex, towards the mean of the fan's other vertices. So programs
+// that compare vertices by coordinates do not confuse the two.
 struct CopyPlace {
   PointId vertex;
   std::uint32_t copy = 0;
   Point at;
 };
 
-// Two triangles that belong together at an edge that has more of them, or one that is alone there, and twice here.
+// Two triangles that belong together at an edge with more triangles; or one triangle that is alone there, given twice.
 // `edge`: ascending.
 struct PairAtEdge {
   std::array<PointId, 2> edge;
@@ -38,14 +38,14 @@ struct PairAtEdge {
   Point middle;                // of the edge, moved a little towards the triangles' other vertices
 };
 
-// What a tile knows of its own vertices, and of edges whose vertex with the lesser id is its own.
+// The splits at a tile's own vertices, and at edges whose vertex with the lesser id is its own.
 struct Splits {
   std::vector<SplitCorner> corners;
   std::vector<CopyPlace> places;
   std::vector<PairAtEdge> pairs;
 };
 
-// `facets`: of the surface, all that have a vertex of the tile's own. Error corrupt when cells contradict each other.
+// `facets`: all of the surface that have a vertex of the tile's own. Error corrupt when cells contradict each other.
 Result<Splits> splits_of(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule,
                          const Boundary& boundary, std::span<const SurfaceFacet> facets);
 

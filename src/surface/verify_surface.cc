@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace surface {
 namespace {
 
-// One way of an edge.
+// One use of an edge by a triangle.
 struct EdgeUse {
   std::array<PointId, 2> edge;  // ascending
   std::int32_t direction = 0;   // 1 from the first to the second, else -1
@@ -33,7 +33,7 @@ struct EdgeUse {
 
 enum class From : std::uint8_t { file, triangulation };
 
-// The least vertex first, the order kept.
+// The least vertex is first; the order round the triangle is kept.
 struct TriangleUse {
   std::array<PointId, 3> corners;
   From from = From::file;
@@ -219,7 +219,7 @@ class Check {
     return success();
   }
 
-  // A file a tile has vertices of other tiles, too.
+  // With a file for each tile, a file has vertices of other tiles, too.
   Status compare_vertices() {
     std::optional<VertexUse> first;
     bool here = false, there = false;

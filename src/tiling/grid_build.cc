@@ -1,4 +1,4 @@
-// Regular grid, as a balanced tree over its planes: looking up a box is then the same code as for the other kinds.
+// A regular grid, as a balanced tree over its planes. So the code that looks up a box is the same for all kinds.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using Counts = std::array<std::uint32_t, 3>;
 
-// Boxes per axis: the most cubic boxes with a product between tiles and 1.25 * tiles.
+// Returns the boxes per axis: the most cubic boxes whose number is between tiles and 1.25 * tiles.
 Counts boxes_per_axis(int dimension, const Bounds& bounds, std::uint32_t tiles) {
   std::array<double, 3> side{};
   double longest = 0;
@@ -33,7 +33,8 @@ Counts boxes_per_axis(int dimension, const Bounds& bounds, std::uint32_t tiles) 
       const double x = side[0] / nx;
       const double y = side[1] / ny;
       const double z = side[2] / nz;
-      // What touches other boxes, for its volume: least for cubes. Fewer boxes win when it is the same.
+      // What a box has in common with other boxes, relative to its volume: least for cubes. Of equal costs, fewer boxes
+      // win.
       const double cost =
           dimension == 2 ? (x + y) / std::sqrt(x * y) : (x * y + y * z + z * x) / std::cbrt(x * y * z * x * y * z);
       const std::uint64_t boxes = std::uint64_t{nx} * ny * nz;
@@ -53,7 +54,7 @@ std::vector<double> planes(double lo, double hi, std::uint32_t boxes) {
     const double t = static_cast<double>(i) / boxes;
     at[i - 1] = lo * (1 - t) + hi * t + 0.0;
   }
-  // So few doubles between lo and hi that planes coincide: take consecutive ones instead.
+  // So few doubles are between lo and hi that planes coincide. Consecutive doubles are taken instead.
   if (!std::is_sorted(at.begin(), at.end(), std::less_equal<>())) {
     const std::int64_t last = ordinal(std::numeric_limits<double>::max()) - static_cast<std::int64_t>(boxes);
     const std::int64_t first = std::min(ordinal(lo), last);
@@ -74,7 +75,8 @@ class GridBuilder {
   }
 
  private:
-  // The block of boxes from..to (exclusive) on each axis; halved along its longest axis, in boxes.
+  // Adds the block of boxes from..to (exclusive) on each axis, and returns its row. Halves it along the axis with most
+  // boxes.
   std::int32_t grow(const Counts& from, const Counts& to) {
     int axis = 0;
     for (int a = 1; a < 3; ++a) {

@@ -9,13 +9,14 @@
 namespace tessera {
 namespace {
 
-// Hamilton's state is an entry corner e and a direction d of the sub-cube; one table step consumes `Levels` levels.
+// Hamilton's state is an entry corner e and a direction d of the sub-cube. One step of the table handles `Levels`
+// levels.
 template <int Dim, int Levels>
 struct Curve {
   static constexpr int bits = Dim * Levels;
   static constexpr unsigned corners = 1u << Dim;
   static constexpr unsigned states = corners * Dim;
-  // Low `bits` bits: the part of the key; above: the next state.
+  // Low `bits` bits: this part of the key. Above them: the next state.
   using Table = std::array<std::array<std::uint16_t, std::size_t{1} << bits>, states>;
 
   static constexpr unsigned rotate_left(unsigned b, unsigned n) {
@@ -68,7 +69,7 @@ struct Curve {
 };
 
 using Curve3 = Curve<3, 3>;  // 24 KB of table, 7 steps for 21 bits
-using Curve2 = Curve<2, 4>;  // 4 KB, 8 steps for 32 bits, the first of which is always 0
+using Curve2 = Curve<2, 4>;  // 4 KB of table, 8 steps for 32 bits, the first of which is always 0
 constexpr Curve3::Table table_3 = Curve3::make();
 constexpr Curve2::Table table_2 = Curve2::make();
 
@@ -90,7 +91,7 @@ std::uint64_t spread_2(std::uint64_t v) {
   return (v | v << 1) & 0x5555555555555555;
 }
 
-// Not above `most`; 0 also for NaN (a flat axis whose prescaled coordinate overflows).
+// Returns x, but at most `most`; 0 also for NaN (a flat axis whose prescaled coordinate overflows).
 std::uint64_t clamped(double x, double most) { return x > 0 ? static_cast<std::uint64_t>(std::min(x, most)) : 0; }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Hilbert curve keys, for locality of insertion and of the written cells.
+// Hilbert curve keys. They keep points together in the order of insertion, and cells in the files.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,12 @@
 
 namespace tessera {
 
-// The position of p on a Hilbert curve through the cube that shares its lower corner and longest side with `bounds`:
-// 21 bits an axis in 3D, 31 in 2D. Points outside are clamped; the order is only a matter of speed. One scale for all
-// axes, since what is near in a Delaunay triangulation is near in space, not near in proportion to the box.
-// Curve: Hamilton, Compact Hilbert indices, Dalhousie CS-2006-07, section 2, with its steps tabulated.
+// Computes the position of a point on a Hilbert curve: 21 bits an axis in 3D, 31 bits in 2D. The curve fills the cube
+// that has the lower corner and the longest side of `bounds`. Points outside the cube are clamped; the order affects
+// speed only. All axes have one scale, because what is near in a Delaunay triangulation is near in space, not near in
+// proportion to the box. Thread-safe.
+// Source of the curve: Hamilton, Compact Hilbert indices, Dalhousie CS-2006-07, section 2; its steps are tabulated
+// here.
 class HilbertKey {
  public:
   HilbertKey(const Bounds& bounds, int dimension);

@@ -1,4 +1,5 @@
-// Checked reading of JSON that comes from a file: false instead of a conversion that changes the value.
+// Checked reading of JSON that comes from a file. The functions return false where nlohmann's own would convert the
+// value.
 #pragma once
 
 #include <cmath>
@@ -10,7 +11,7 @@
 
 namespace tessera {
 
-// An integer in [least, most].
+// Reads an integer in [least, most].
 inline bool read_integer(const nlohmann::json& from, std::int64_t least, std::int64_t most, std::int64_t& value) {
   if (!from.is_number_integer()) return false;
   if (from.is_number_unsigned() && from.get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX)) return false;

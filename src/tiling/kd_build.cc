@@ -1,4 +1,4 @@
-// kd-tree: median splits along the longest side of what is left.
+// A kd-tree: median splits along the longest side of the points' bounds.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-// Doubles in [lo, hi).
+// Returns the number of doubles in [lo, hi).
 std::uint64_t width(double lo, double hi) {
   return static_cast<std::uint64_t>(ordinal(hi)) - static_cast<std::uint64_t>(ordinal(lo));
 }
@@ -29,7 +29,7 @@ class KdBuilder {
     MedianSplit split;
   };
 
-  // Returns the child to store in the parent.
+  // Returns the child that the parent stores.
   std::int32_t grow(std::span<Point> points, const Box& box, std::uint32_t tiles) {
     if (tiles == 1) return as_leaf(TileId{leaves_++});
     Choice choice = split_points(points, tiles);
@@ -51,8 +51,8 @@ class KdBuilder {
     return row;
   }
 
-  // The longest axis, unless ties make it split far from where it should (by a quarter of the points) and another
-  // does better. axis < 0 when all points are equal.
+  // Chooses the longest axis. If ties move its split far from the wanted rank (by a quarter of the points) and another
+  // axis does better, chooses that axis. axis < 0 when all points are equal.
   Choice split_points(std::span<Point> points, std::uint32_t tiles) const {
     if (points.size() < 2) return {};
     Bounds bounds;
@@ -77,7 +77,7 @@ class KdBuilder {
     return best;
   }
 
-  // No points to tell where: the axis with most doubles, in their middle.
+  // For boxes without different points: splits the axis with most doubles, in their middle.
   Choice split_box(const Box& box) const {
     int axis = 0;
     for (int a = 1; a < dimension_; ++a) {
@@ -88,7 +88,8 @@ class KdBuilder {
     return {axis, {from_ordinal(middle), 0}};
   }
 
-  // Tiles for the lower side: as many as it has points, but no more than the doubles in its box allow.
+  // Returns the number of tiles for the lower side: in proportion to its points, but no more than the doubles in its
+  // box allow.
   std::uint32_t share(std::size_t points, std::size_t points_below, const Box& below, const Box& above,
                       std::uint32_t tiles) const {
     const double part = points_below == 0 || points_below == points
@@ -101,7 +102,7 @@ class KdBuilder {
     return std::clamp(wanted, least, std::min(room_below, tiles - 1));
   }
 
-  // How many tiles the box can be cut into, at most `most`.
+  // Returns how many tiles the box can be cut into, at most `most`.
   std::uint32_t room(const Box& box, std::uint32_t most) const {
     std::uint64_t cells = 1;
     for (int a = 0; a < dimension_; ++a) {

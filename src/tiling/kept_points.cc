@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// Rows of so many points at a time, or of one point's duplicates if they are more.
+// Rows are read for so many points at a time, or for one point's duplicates if these are more.
 constexpr std::size_t points_at_once = std::size_t{1} << 16;
 
 double height_at(std::span<const std::byte> rows, std::size_t at) {
@@ -19,7 +19,8 @@ double height_at(std::span<const std::byte> rows, std::size_t at) {
 using Pairs = std::vector<std::pair<PointId, PointId>>;  // (duplicate, kept)
 using Pair = Pairs::value_type;
 
-// The pairs of some vertices, all of each, by vertex; the vertices that others take the place of go to `replaced`.
+// Chooses the kept point of each vertex. choose() gets all pairs of some vertices, ordered by vertex. `replaced`
+// collects the vertices whose first point is not the kept one.
 class Chooser {
  public:
   Chooser(DuplicatePolicy keep, const HeightsOf& heights_of) : keep_(keep), heights_of_(heights_of) {}
@@ -96,7 +97,7 @@ Status choose_kept(DuplicatePolicy keep, const HeightsOf& heights_of, LoadedTile
   }
   tile.other_heights = chooser.other_heights();
   std::sort(pairs.begin(), pairs.end());
-  const Pairs& replaced = chooser.replaced();  // ascending: so were the vertices
+  const Pairs& replaced = chooser.replaced();  // ascending, as the vertices were
   if (replaced.empty()) return success();
   for (PointId& id : tile.ids) {
     const auto found = std::lower_bound(replaced.begin(), replaced.end(), Pair{id, PointId{0}});

@@ -1,4 +1,4 @@
-// Octree (quadtree in 2D): equal cubes, split where the points are.
+// An octree (a quadtree in 2D): equal cubes, split where the points are.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,13 +10,13 @@
 namespace tessera {
 namespace {
 
-constexpr int levels_max = 40;  // Two far clusters must not cost a level per factor 2 of their distance.
+constexpr int levels_max = 40;  // two far clusters must not cost a level per factor 2 of their distance
 
 struct Cube {
-  Point lo, hi;  // what halving goes by; the outer boxes of the tree are unbounded all the same
+  Point lo, hi;  // what is halved; the outer boxes of the tree are unbounded all the same
   std::span<Point> points;
   int level = 0;
-  std::int32_t parent = -1;  // the row and side of the tree that this leaf hangs from
+  std::int32_t parent = -1;  // the row and side of the tree from which this leaf hangs
   int side = 0;
 };
 
@@ -32,7 +32,7 @@ class OctreeBuilder {
       half = std::max(half, used.hi[a] / 2 - used.lo[a] / 2);
       largest = std::max({largest, std::abs(used.lo[a]), std::abs(used.hi[a])});
     }
-    // Wide enough for 20 halvings between doubles of that size.
+    // Wide enough for 20 halvings between doubles of this size.
     half = std::max({half, std::ldexp(largest, -28), std::ldexp(1.0, -1000)});
     for (int a = 0; a < dimension; ++a) {
       const double center = midpoint(used.lo[a], used.hi[a]);
@@ -43,7 +43,7 @@ class OctreeBuilder {
 
   std::vector<SplitNode> by_limit(std::size_t limit, std::uint32_t leaves_max) {
     std::vector<Cube> leaves;
-    std::queue<Cube> todo;  // by level, so that reaching leaves_max does not leave one corner unsplit
+    std::queue<Cube> todo;  // by level, so that no corner stays unsplit when leaves_max is reached
     todo.push(root_);
     const std::size_t children = std::size_t{1} << dimension_;
     while (!todo.empty()) {
@@ -59,7 +59,7 @@ class OctreeBuilder {
   }
 
   std::vector<SplitNode> by_tiles(std::uint32_t tiles) {
-    // The fullest, then the largest, then the oldest.
+    // The fullest leaf first; of equally full leaves the largest, then the oldest.
     const auto after = [](const Entry& a, const Entry& b) {
       if (a.cube.points.size() != b.cube.points.size()) return a.cube.points.size() < b.cube.points.size();
       if (a.cube.level != b.cube.level) return a.cube.level > b.cube.level;
@@ -97,7 +97,7 @@ class OctreeBuilder {
     return true;
   }
 
-  // One plane after the other: 2^d leaves hang from 2^d - 1 rows.
+  // Splits by one plane after the other: 2^d leaves hang from 2^d - 1 rows.
   std::vector<Cube> split(const Cube& cube) {
     std::vector<Cube> parts{cube};
     for (int a = 0; a < dimension_; ++a) {
@@ -131,7 +131,7 @@ class OctreeBuilder {
     if (cube.parent >= 0) nodes_[static_cast<std::size_t>(cube.parent)].child[cube.side] = child;
   }
 
-  // Numbers leaves in the order of the tree, so that near tiles have near numbers.
+  // Numbers the leaves in the order of the tree, so that near tiles have near numbers.
   std::vector<SplitNode> finish(const std::vector<Cube>& leaves) {
     for (const Cube& leaf : leaves) hang(leaf, as_leaf(TileId{0}));
     if (nodes_.empty()) return {};

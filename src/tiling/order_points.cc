@@ -1,4 +1,4 @@
-// A tile's points in Hilbert order, each once.
+// Puts a tile's points into Hilbert order, each once.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -21,11 +21,11 @@ using Entries = BigVector<Entry>;
 constexpr int digit_bits = 11;  // 2048 counters: the scatter's targets stay in the second-level cache
 constexpr int digits = 6;       // 66 >= 63 bits
 
-// Least significant digit first, all histograms in one pass; a digit that is the same everywhere costs nothing. In
-// the plane the lowest digits seldom matter: enough are taken for 32 cells of the curve a point, and the few entries
-// that are equal then are sorted by comparison.
+// A radix sort, least significant digit first, with all histograms made in one pass; a digit that is equal in all keys
+// costs nothing. In 2D the lowest digits seldom matter. So only enough digits are sorted for 32 cells of the curve per
+// point, and the few entries that are then equal are sorted by comparison.
 void sort_by_key(Entries& entries, int dimension) {
-  constexpr std::size_t few = 512;  // not worth clearing the counters
+  constexpr std::size_t few = 512;  // below this, clearing the counters is not worth it
   if (entries.size() < few) {
     return std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
   }
@@ -61,7 +61,7 @@ class Sorter {
  public:
   Sorter(std::span<const LocalPoint> points, int dimension) : points_(points), dimension_(dimension) {}
 
-  // By Hilbert key within the bounds of these points; equal keys by sort_run.
+  // Sorts by Hilbert key within the bounds of these points, and entries with equal keys by sort_run().
   void sort(Entries& entries) const {
     Bounds bounds;
     for (const Entry& e : entries) bounds.add(points_[e.index].at);
@@ -77,8 +77,9 @@ class Sorter {
  private:
   static constexpr std::size_t long_run = 1024;
 
-  // A few points share a cell of the curve: lexicographic order. Many do when density spans many octaves (outliers,
-  // clusters in clusters): a curve of their own. Each such curve is 2^21 times finer, so this ends after a few.
+  // A few points in one cell of the curve are sorted lexicographically. Many points share a cell when density spans
+  // many octaves (outliers, clusters in clusters). They get a curve of their own; each such curve is 2^21 times finer,
+  // so this ends after a few.
   void sort_run(std::span<Entry> run) const {
     const Point& first = points_[run[0].index].at;
     const bool all_equal =
@@ -108,11 +109,11 @@ LoadedTile order_points(std::span<const LocalPoint> points, int dimension) {
   Sorter(points, dimension).sort(entries);
 
   LoadedTile tile;
-  // Room for foreign ones, which costs no memory: the same arrays are the mesh's one day.
+  // Room for foreign vertices. It costs no memory until it is used, and the same arrays later become the mesh's.
   const std::size_t most = points.size() + points.size() / 8;
   tile.points.reserve(most);
   tile.ids.reserve(most);
-  // Equal coordinates have equal keys on every curve, so they are neighbours now, the lowest id first.
+  // Equal coordinates have equal keys on every curve. So equal points are neighbours now, the lowest id first.
   for (const Entry& e : entries) {
     const LocalPoint& p = points[e.index];
     if (!tile.points.empty() && tile.points.back() == p.at) {

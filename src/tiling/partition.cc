@@ -13,9 +13,10 @@ namespace {
 
 constexpr std::array<const char*, 4> kind_names{"kdtree", "grid", "octree", "random"};
 
-// How many kd tiles keep the fullest below the limit. A sample comes in runs of points that are neighbours in their
-// file: a tile with s of them knows its border as well as from s/64 independent ones, so it is off by (s/64)^-1/2, and
-// twice that is rare. A sample that is the whole cloud is not off at all.
+// Returns how many kd tiles keep the fullest tile below the limit. A sample consists of runs of points that are
+// neighbours in their file. So a tile with s sample points knows its border only as well as from s/64 independent
+// points. Its size is off by (s/64)^-1/2, and an error of twice that is rare. A sample that is the whole cloud has no
+// error.
 std::uint32_t tiles_for_limit(std::size_t sample, std::uint64_t total, std::uint64_t limit) {
   const double exact = std::ceil(static_cast<double>(total) / static_cast<double>(limit));
   double margin = 1;
@@ -53,7 +54,7 @@ Partition Partition::build(PartitionKind kind, int dimension, std::span<const Po
     const std::uint32_t leaves = leaves_of(nodes);
     return {kind, dimension, std::move(nodes), leaves};
   }
-  // Only median splits profit from a margin: boxes of a grid overflow where the density is, not by chance.
+  // Only median splits profit from a margin: boxes of a grid overflow where points are dense, not by chance.
   const std::size_t known = kind == PartitionKind::kdtree ? sample.size() : total;
   return build_tiles(kind, dimension, sample, bounds, tiles_for_limit(known, total, limit));
 }
@@ -61,7 +62,7 @@ Partition Partition::build(PartitionKind kind, int dimension, std::span<const Po
 Partition Partition::build_tiles(PartitionKind kind, int dimension, std::span<const Point> sample, const Bounds& bounds,
                                  std::uint32_t tiles) {
   tiles = std::clamp(tiles, 1u, tiles_max);
-  // These kinds may make more than they are asked for.
+  // These kinds may make more tiles than they are asked for.
   if (kind == PartitionKind::grid) tiles = std::min(tiles, tiles_max / 5 * 4);
   if (kind == PartitionKind::octree) tiles = std::min(tiles, tiles_max - 7);
   std::vector<SplitNode> nodes;

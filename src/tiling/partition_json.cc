@@ -1,5 +1,5 @@
-// The partition in plan.json and in the manifest. What comes back is not trusted: a wrong tree would send points to
-// tiles whose boxes do not hold them.
+// The partition in plan.json and in the manifest. JSON that is read is not trusted: a wrong tree would send points to
+// tiles whose boxes do not contain them.
 #include <cmath>
 #include <utility>
 
@@ -14,8 +14,8 @@ using nlohmann::json;
 
 Error bad(const std::string& what) { return error(Errc::corrupt, "partition: " + what); }
 
-// Every row but the root hangs from exactly one earlier row, every leaf from exactly one, and every plane is inside
-// its box: then leaves are disjoint, not empty, and cover space.
+// Checks that every row but the root hangs from exactly one earlier row, that every leaf hangs from exactly one row,
+// and that every plane is inside its box. Then leaves are disjoint, not empty, and cover space.
 Status check_tree(const std::vector<SplitNode>& nodes, std::uint32_t tiles) {
   std::vector<bool> row_used(nodes.size()), leaf_used(tiles);
   std::vector<Box> boxes(nodes.size());

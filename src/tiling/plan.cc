@@ -48,7 +48,7 @@ bool read_sum(const json& from, std::uint64_t& value) {
   return std::from_chars(text.data(), end, value, 16).ptr == end && text == checksum_text(value);
 }
 
-// {"xxh3":"0123456789abcdef",
+// The file begins with {"xxh3":"0123456789abcdef",
 constexpr std::string_view seal_begin = "{\"xxh3\":\"";
 constexpr std::string_view seal_end = "\",\n";
 constexpr std::size_t seal_bytes = seal_begin.size() + 16 + seal_end.size();
@@ -66,7 +66,7 @@ Result<std::uint64_t> check_seal(const std::filesystem::path& path, std::string_
   return sum;
 }
 
-// Reads plan.json field by field; the first thing wrong is the error.
+// Reads plan.json field by field. The first field that is wrong makes the error.
 class PlanReader {
  public:
   PlanReader(std::filesystem::path path, const json& root) : path_(std::move(path)), root_(root) {}
@@ -85,7 +85,7 @@ class PlanReader {
  private:
   Error bad(const std::string& what) const { return damaged_run(path_, what); }
 
-  // null when missing, which no reading function takes for a value it needs.
+  // Returns null when the member is missing; no reading function accepts null for a value that it needs.
   const json& at(const json& object, const char* key) const {
     static const json none;
     if (!object.is_object()) return none;
@@ -212,7 +212,8 @@ class PlanReader {
       run_.inputs.push_back(std::move(input));
     }
     std::string keep(name_of(run_.keep));
-    const bool read = !root_.contains("keep") || read_string(at(root_, "keep"), keep);  // the first are not told
+    // plans that keep the first point do not have it
+    const bool read = !root_.contains("keep") || read_string(at(root_, "keep"), keep);
     if (!read || !kept_point_of(keep)) return bad("keep is an unknown choice");
     run_.keep = *kept_point_of(keep);
     if (!read_string(at(root_, "crs"), run_.crs) || !read_string(at(root_, "options_key"), run_.options_key)) {
@@ -227,7 +228,7 @@ class PlanReader {
   std::uint64_t segments_sum_ = 0;
 };
 
-// The segments, and that they are of these tiles and bundles.
+// Reads the segments, and checks that they belong to these tiles and shuffle files.
 Status read_segments(RoutedCloud& run, std::uint64_t written) {
   const auto path = segments_file(run.folder);
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
@@ -259,7 +260,7 @@ Status read_segments(RoutedCloud& run, std::uint64_t written) {
 
 Status check_size(const std::filesystem::path& path, std::uint64_t records, std::size_t record_bytes) {
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
-  // Divided, not multiplied: the number comes from a file.
+  // Divided, not multiplied, as the number comes from a file and might overflow.
   if (bytes % record_bytes == 0 && bytes / record_bytes == records) return success();
   return damaged_run(path, "has " + std::to_string(bytes) + " bytes, but " + std::to_string(records) + " records of " +
                                std::to_string(record_bytes) + " bytes were written");
@@ -313,7 +314,7 @@ Result<std::uint64_t> write_plan(const RoutedCloud& run) {
             {"crs", run.crs},
             {"options_key", run.options_key}};
   if (run.keep != DuplicatePolicy::first) plan["keep"] = name_of(run.keep);
-  // File names and coordinate systems need not be UTF-8, which JSON is.
+  // File names and coordinate systems need not be UTF-8; JSON must be.
   const std::string text = sealed_plan(json_text(plan));
   BOOST_OUTCOME_TRYV(write_whole(plan_file(run.folder), text));
   return seal_of(text);

@@ -8,11 +8,11 @@
 
 namespace tessera {
 
-// Writes RUN/plan.json under a temporary name, synced and renamed: it is there as a whole or not at all. Returns its
-// checksum, RoutedCloud::seal.
+// Writes RUN/plan.json. The file is written under a temporary name, synced and renamed, so it is there as a whole or
+// not at all. Returns its checksum, which is RoutedCloud::seal. Error io.
 Result<std::uint64_t> write_plan(const RoutedCloud& run);
-// `json`, an object, with the checksum of its text as first member, on a line of its own: so that a flipped digit
-// shows.
+// Returns `json`, an object, with the checksum of its text as the first member, on a line of its own. So a flipped
+// digit is noticed.
 std::string sealed_plan(std::string_view json);
 
 }  // namespace tessera

@@ -9,8 +9,8 @@
 namespace tessera {
 namespace {
 
-// Splits `tile` in memory until each part should be below the limit; `points` are every `stride`-th of the tile.
-// Returns whether it was split at all.
+// Splits `tile` in memory until each part should be below the limit. `points` are every `stride`-th of the tile.
+// Returns whether the tile was split at all.
 bool split_by_sample(Partition& partition, TileId tile, std::vector<Point> points, std::uint64_t stride,
                      std::uint64_t limit) {
   bool any = false;
@@ -39,7 +39,7 @@ bool split_by_sample(Partition& partition, TileId tile, std::vector<Point> point
 Status split_large_tiles(Partition& partition, TileWriter& writer, const std::filesystem::path& folder,
                          std::size_t row_bytes, std::uint64_t limit, std::uint64_t memory_bytes, std::stop_token stop) {
   if (partition.kind() == PartitionKind::random) return success();
-  // The sample, the copy that split() orders, and the halves.
+  // Memory for the sample, the copy that split() sorts, and the halves.
   const std::uint64_t sample_max = std::max<std::uint64_t>(4096, memory_bytes / (3 * sizeof(Point)));
   RoutedPoints& routed = writer.routed();
   std::vector<TileId> large;
@@ -65,12 +65,14 @@ Status split_large_tiles(Partition& partition, TileWriter& writer, const std::fi
           return success();
         }));
     const std::uint32_t first_new = partition.tiles();
-    // Equal points in the sample need not be all: then the tile's bounds are split, each of whose sides has a point.
+    // The sample may have equal points only, while the tile has others. Then the corners of the tile's bounds are used:
+    // each side of that split has a point.
     if (!split_by_sample(partition, tile, std::move(sample), stride, limit) &&
         !(stride > 1 && partition.split(tile, {bounds.lo, bounds.hi}))) {
       continue;
     }
-    // The account is of the new tiles while the records of the old one are read, and the bundles grow.
+    // take() removes the tile from the account. While its records are read, the writer adds them to the account of the
+    // new tiles, and to new shuffle files.
     const auto segments = routed.take(tile);
     const auto bundles = routed.bundles;
     BOOST_OUTCOME_TRYV(
@@ -78,7 +80,7 @@ Status split_large_tiles(Partition& partition, TileWriter& writer, const std::fi
                         [&](auto points, auto rows) -> Status { return writer.add(partition, points, rows); }));
     BOOST_OUTCOME_TRYV(writer.flush(partition));
     BOOST_OUTCOME_TRYV(give_back({folder, bundles, row_bytes}, segments));
-    // With every point in the sample, what is above the limit now are equal points.
+    // If every point was in the sample, tiles that are still above the limit have equal points only.
     if (stride == 1) continue;
     look_at(tile.value);
     for (std::uint32_t t = first_new; t < partition.tiles(); ++t) look_at(t);

@@ -1,4 +1,4 @@
-// Splitting tiles that turned out larger than the limit.
+// Splits tiles that turned out larger than the limit.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,10 @@
 
 namespace tessera {
 
-// Splits every tile of more than `limit` points until none is left, or only those of equal points, and writes them
-// anew; the disk of their old records is given back. `writer` has been flushed, and is flushed again. Memory:
-// `memory_bytes` beside the writer's buffer.
+// Splits every tile of more than `limit` points until no such tile is left, except tiles of equal points. The points of
+// split tiles are written again, and the disk space of their old records is given back. `writer` has been flushed
+// before the call, and is flushed again. Uses `memory_bytes` of memory beside the writer's buffer. Errors: io, corrupt,
+// interrupted.
 Status split_large_tiles(Partition& partition, TileWriter& writer, const std::filesystem::path& folder,
                          std::size_t row_bytes, std::uint64_t limit, std::uint64_t memory_bytes, std::stop_token stop);
 

@@ -1,4 +1,4 @@
-// From a cloud of any size to the files of a run folder, in bounded memory.
+// Routes a cloud of any size to the files of a run folder, in bounded memory.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +22,8 @@
 namespace tessera {
 namespace {
 
-// Makes the folders, without what an unfinished run has left there; removes what was made unless it is kept.
+// Makes the folders, and removes what an unfinished run has left in them. Unless keep() is called, the destructor
+// removes what was made.
 class RunFolder {
  public:
   explicit RunFolder(const std::filesystem::path& path)
@@ -33,7 +34,8 @@ class RunFolder {
   RunFolder& operator=(const RunFolder&) = delete;
   ~RunFolder() {
     if (keep_) return;
-    // Already failing: what cannot be removed is removed by the next run, and the first error is the one to tell.
+    // The job is failing already. The next run removes what cannot be removed now, and the first error is the one to
+    // report.
     for (const auto& path : parts_) remove_tree(path);
   }
 
@@ -58,8 +60,8 @@ struct Survey {
   std::uint64_t total = 0;  // 0 if unknown
 };
 
-// One pass over everything: needed where no header tells how many points there are, or a filter leaves an unknown part.
-// Keeps every k-th point, k doubling whenever there are twice as many as wanted.
+// Reads the whole cloud once. That is needed where no header tells the number of points, or where a filter drops an
+// unknown part. Keeps every k-th point for the sample; k doubles whenever there are twice as many as wanted.
 Result<Survey> survey_all(const Cloud& cloud, std::size_t wanted, const std::stop_token& stop) {
   Survey survey;
   std::uint64_t stride = 1;
@@ -109,7 +111,7 @@ std::string name_of(const Cloud& cloud) {
   return "the " + std::to_string(cloud.files().size()) + " input files";
 }
 
-// Of what was filtered out, for whoever asked for what is not there.
+// Returns which classes and bounds were filtered out, for a user whose filter has left no points.
 std::string what_there_is(const CloudCounts& counts) {
   std::string text;
   for (std::size_t c = 0; c < counts.other_classes.size(); ++c)
@@ -139,7 +141,7 @@ Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, 
   return refuse(why_flat(points, rank, dimension) + (plane ? " (try " + option("dim", "2") + ")" : ""));
 }
 
-// What the plan tells of the points, once all are where they stay.
+// Moves into the plan what is known of the points, once all records are where they stay.
 void settle(RoutedCloud& run, RoutedPoints& routed) {
   run.bundles = std::move(routed.bundles);
   for (std::uint32_t t = 0; t < run.partition.tiles(); ++t) {

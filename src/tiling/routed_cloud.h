@@ -1,9 +1,8 @@
-// A cloud cut into tiles under a run folder: what the tile actors start from, and what --resume continues.
+// A cloud that is cut into tiles, in a run folder. Tiles begin from it, and --resume continues it.
 //
-//   RUN/plan.json             everything below and its own checksum, written last: a run folder without it has not been
-//                             routed
-//   RUN/segments.bin          where the tiles' points are: Segments (40 bytes), of one tile after the other
-//   RUN/points/, attributes/  the bundles (bundle.h)
+//   RUN/plan.json             everything below and its own checksum, written last: without it a run folder is not
+//   routed RUN/segments.bin          where the tiles' points are: Segments (40 bytes each), one tile after the other
+//   RUN/points/, attributes/  the shuffle files (shuffle_file.h)
 #pragma once
 
 #include <atomic>
@@ -39,7 +38,7 @@ struct InputFile {
   friend bool operator==(const InputFile&, const InputFile&) = default;
 };
 
-// Whether a tile's records have been found whole by this process.
+// Whether this process has checked the records of a tile, and found them whole.
 struct TileChecked {
   std::atomic<bool> points = false, rows = false;
 };
@@ -47,27 +46,27 @@ struct TileChecked {
 struct RoutedCloud {
   std::filesystem::path folder;
   int dimension = 3;
-  DuplicatePolicy keep = DuplicatePolicy::first;  // of equal points
+  DuplicatePolicy keep = DuplicatePolicy::first;  // which of equal points is the vertex
   Partition partition;
   std::vector<std::uint64_t> tile_points;  // by tile, duplicates included
-  std::vector<Bounds> tile_bounds;         // by tile: of its points; empty for an empty tile
+  std::vector<Bounds> tile_bounds;         // by tile: the bounds of its points; empty for an empty tile
   std::vector<ShuffleFile> bundles;
   std::vector<Segment> segments;           // by tile
-  std::vector<std::uint64_t> segment_end;  // by tile: of its segments
+  std::vector<std::uint64_t> segment_end;  // by tile: where its segments end
   CloudCounts counts;
   Bounds bounds;
-  // What tiles know from the start (seed_finder.h), by tile. All of them know the lexicographically least point, and
-  // d+1 points that span the space, so that no tile is ever flat (docs/design.md). Source indices are those of the
-  // vertices that are kept.
+  // By tile: what tiles know from the start (seed_finder.h). All tiles know the lexicographically least point, and d+1
+  // points that span space, so that no tile is ever flat (docs/design.md). Source indices are those of the vertices
+  // that are kept.
   std::vector<Seed> seeds;
   std::vector<Attribute> schema;
   std::vector<InputFile> inputs;
   std::string crs;
-  std::string options_key;  // equal keys = the same job; a resume with another key is refused
-  // The checksum of its plan: what tells the run from all others, for it depends on where every point went and on its
-  // bits. What tiles put on scratch says it.
+  std::string options_key;  // equal keys mean the same job; a resume with another key is refused
+  // The checksum of the run's plan. It depends on the tile and the bits of every point, so it tells the run from all
+  // others. What tiles put on scratch contains it.
   std::uint64_t seal = 0;
-  // By tile; copies of this run share it. Without it, load_rows() checks the files whenever it is called.
+  // By tile; copies of this run share it. Without it, load_rows() checks the files at every call.
   std::shared_ptr<std::vector<TileChecked>> checked;
 
   std::span<const Segment> segments_of(TileId tile) const {
@@ -85,40 +84,42 @@ struct RouteOptions {
   std::string options_key = {};
 };
 
-// Streams the cloud into tile files. Refuses, with bad_input and one sentence, a cloud without points or whose points
-// all lie on one hyperplane (it tells which). Tiles above the limit are split again, except by identical points.
-// `router`: routes stretches of what is large enough to be cut; the run is the same without it, but for its bundles.
+// Streams the cloud into the shuffle files of `folder`. Refuses a cloud without points, and a cloud whose points all
+// lie in one hyperplane: error bad_input, with a sentence that says which. Tiles above the limit are split again,
+// unless their points are equal. `router`, if given, routes the cloud as input splits if the cloud is large enough;
+// then only the shuffle files of the run differ.
 Result<RoutedCloud> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
                           Progress& progress, std::stop_token stop, SplitRouter* router = nullptr);
 
-// Reads plan.json, checks it, and the files' sizes. What is in the files is checked when it is read. Error corrupt
-// names the damaged file.
+// Reads plan.json, and checks it and the sizes of the files. What the files contain is checked when it is read. Error
+// corrupt names the damaged file.
 Result<RoutedCloud> open_run(const std::filesystem::path& folder);
 
-// A tile's points as the kernel wants them: distinct, in Hilbert order within their bounds.
+// A tile's points as the kernel needs them: distinct, in Hilbert order within their bounds.
 struct LoadedTile {
   std::vector<Point> points;
-  std::vector<PointId> ids;                             // of equal points, that of the one that is kept
+  std::vector<PointId> ids;                             // beside points; of equal points the id of the kept point
   std::vector<std::pair<PointId, PointId>> duplicates;  // (duplicate, kept), by ascending duplicate
   std::uint64_t other_heights = 0;                      // duplicates whose height is not that of the kept point
 };
-// Error corrupt when the file is not the one that was written.
+// Loads a tile's points from the shuffle files. Error corrupt when a file is not the one that was written.
 Result<LoadedTile> load_tile(const RoutedCloud& run, TileId tile);
-// The same from memory (regions, tests, harness): of equal points the lowest id, and heights are not looked at.
-// REQUIRES: finite coordinates without -0.
+// Makes the same from points in memory (regions, tests, harness). Of equal points the lowest id is kept; heights are
+// ignored. REQUIRES: coordinates are finite, and none is -0.
 LoadedTile order_points(std::span<const LocalPoint> points, int dimension);
 
-// Points and attributes of a run's bundles as bytes in memory, each file opened once: the vertices of one tile are
-// those of a dozen others, which share bundles.
+// Maps the shuffle files of a run into memory, each file once. The vertices of one tile belong to a dozen other tiles,
+// which share shuffle files. Not thread-safe.
 class ShuffleFileMaps {
  public:
-  // Refers to the run.
+  // Refers to `run`, which must outlive this object.
   explicit ShuffleFileMaps(const RoutedCloud& run) : run_(run) {}
   const RoutedCloud& run() const { return run_; }
   struct Maps {
     MappedFile points, rows;
   };
-  // Error io; corrupt when a file is shorter than what was written. Valid as long as this.
+  // Returns the maps of a shuffle file, valid as long as this object. Error io; corrupt when a file is shorter than
+  // what was written.
   Result<const Maps*> of(std::uint32_t bundle);
 
  private:
@@ -126,9 +127,9 @@ class ShuffleFileMaps {
   std::map<std::uint32_t, Maps> maps_;
 };
 
-// The rows of `ids` (any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if one is missing, or
-// if the tile's files are not those that were written, which the first call for a tile finds out. Safe to call from
-// several threads, with maps of their own.
+// Returns the rows of `ids` (in any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if an id is
+// missing, or if the tile's files are not those that were written; the first call for a tile checks that. Thread-safe
+// if every thread has maps of its own.
 Result<std::vector<std::byte>> load_rows(ShuffleFileMaps& maps, TileId tile, const std::vector<PointId>& ids);
 inline Result<std::vector<std::byte>> load_rows(const RoutedCloud& run, TileId tile, const std::vector<PointId>& ids) {
   ShuffleFileMaps maps(run);

@@ -1,4 +1,4 @@
-// What is known of points that were routed, whoever has routed them.
+// What is known of routed points, whichever process has routed them.
 #pragma once
 
 #include <cstddef>
@@ -14,27 +14,29 @@
 
 namespace tessera {
 
+// The account of points that were routed to tiles: where they are, their bounds, and candidates for seeds.
 struct RoutedPoints {
   explicit RoutedPoints(int dimension) : seeds(dimension), span(dimension) {}
 
   std::vector<ShuffleFile> bundles;
   std::vector<std::vector<Segment>> segments;  // by tile
-  std::vector<Bounds> bounds;                  // by tile, of its points
+  std::vector<Bounds> bounds;                  // by tile: the bounds of its points
   SeedFinder seeds;
   SpanFinder span;
   CloudCounts counts;  // of the input
 
   void resize(std::uint32_t tiles);
   std::uint64_t points_of(TileId tile) const;
-  // The next stretch of the input: ids in it count from its first point, and go on here where these end. One after the
-  // other they make what one would have found who routed all.
+  // Adds the account of the next input split. The ids in `next` count from its first point; they are moved to go on
+  // where the ids of this account end. Appending all input splits in order makes the account of one pass over the whole
+  // input.
   void append(const RoutedPoints& next);
-  // Takes a tile's points out of the account. Their records stay where they are.
+  // Removes a tile's points from the account, and returns their segments. The records stay on disk.
   std::vector<Segment> take(TileId tile);
 };
 
-// Across a network, or as files. The reader trusts nothing: false when they are not what to_bytes() gives of
-// `tiles` tiles.
+// The account as bytes, for the network or a file. from_bytes() trusts nothing: it returns false when the bytes are not
+// what to_bytes() makes of an account of `tiles` tiles.
 BigVector<std::byte> to_bytes(const RoutedPoints& routed);
 bool from_bytes(std::span<const std::byte> bytes, std::uint32_t tiles, RoutedPoints& routed);
 

@@ -13,18 +13,19 @@
 namespace tessera {
 namespace {
 
-// How far a seed is known, in diagonals of the part around the one it represents. More costs every tile more seeds,
-// less leaves gaps between them that tiles take for empty (docs/benchmarks.md).
+// The reach of a seed, in diagonals of the part around the one that the seed represents. A larger reach costs every
+// tile more seeds; a smaller one leaves gaps between seeds, which tiles take for empty (docs/benchmarks.md).
 constexpr double drawn_reach = 0.7;
 constexpr double outermost_reach = 0.5;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// The axes and what lies between them: 26 directions in space, the first 8 of which are those of the plane.
+// The axes and the diagonals between them: 26 directions in space; the first 8 are those of the plane.
 constexpr int directions(int dimension) { return dimension == 3 ? 26 : 8; }
 
 constexpr std::array<int, 3> direction(int k) {
-  const int at = k < 4 ? k : k < 8 ? k + 1 : k - 8;  // of the 9 in a layer; the middle one only in the other two layers
+  // of the 9 in a layer; the middle one exists only in the other two layers
+  const int at = k < 4 ? k : k < 8 ? k + 1 : k - 8;
   const int layer = k < 8 ? 0 : at < 9 ? -1 : 1;
   return {at % 3 - 1, at / 3 % 3 - 1, layer};
 }
@@ -37,7 +38,7 @@ bool endless(const Box& box, int k) {
   return true;
 }
 
-// As doubles, for they are asked of every point.
+// As doubles, because every point is compared in all directions.
 constexpr auto direction_vectors = [] {
   std::array<Point, directions(3)> vectors{};
   for (int k = 0; k < directions(3); ++k) {
@@ -65,7 +66,7 @@ double diagonal(const Bounds& b) {
 
 }  // namespace
 
-// Of equal keys the first stays: of equal points, the one with the lowest id.
+// Of equal keys the first stays. So of equal points the one with the lowest id stays.
 void SeedFinder::add(TileId tile, const Box& box, const LocalPoint& p) {
   if (tile.value >= tiles_.size()) tiles_.resize(tile.value + 1);
   Part& part = tiles_[tile.value];
@@ -93,7 +94,7 @@ void SeedFinder::add(const SeedFinder& next, std::uint64_t first_id) {
     const Part& from = next.tiles_[t];
     Part& to = tiles_[t];
     if (from.empty) continue;
-    if (to.empty) {  // whatever is there is more
+    if (to.empty) {  // any candidate has a greater key
       to.empty = false;
       to.drawn.key = -infinity;
       for (const Outermost& o : from.outermost) to.outermost.push_back({o.direction, {-infinity, {}}});
@@ -181,7 +182,7 @@ std::vector<Seed> SeedFinder::choose(const Partition& partition, const std::vect
     part.box = partition.boxes()[t];
     return part;
   };
-  // Depth first: a tree of 10^6 tiles is some hundred levels deep.
+  // Recursion, depth first: a tree of 10^6 tiles is at most some hundred levels deep.
   const auto visit = [&](auto&& self, std::int32_t row) -> Part {
     if (row < 0) return tile(tile_at(row).value);
     const SplitNode& split = partition.splits()[static_cast<std::size_t>(row)];
@@ -200,7 +201,7 @@ std::vector<Seed> SeedFinder::choose(const Partition& partition, const std::vect
     const Part all = visit(visit, 0);
     take(all.drawn.point, infinity);
     take_outermost(all, infinity);
-  } else if (partition.tiles() > 1) {  // tiles that lie in one another are all near
+  } else if (partition.tiles() > 1) {  // without splits all tiles are one in another, so all are near
     Part all;
     for (std::uint32_t t = 0; t < partition.tiles(); ++t) {
       const Part part = tile(t);

@@ -1,5 +1,5 @@
-// Which points of a cloud tiles know from the start, and how far each of them is known. Chosen while points are routed,
-// and a function of the partition and the cloud alone.
+// Chooses the seeds: which points of a cloud tiles know from the start, and how far each is known. The choice is made
+// while points are routed, and depends on the partition and the cloud alone.
 #pragma once
 
 #include <cstdint>
@@ -12,32 +12,34 @@
 
 namespace tessera {
 
-// Every part of the split tree, a tile or larger, has a point drawn from a hash of its coordinates, and, where it has
-// no end, the outermost points. What represents a part represents those of its halves that it lies in, too: so the
-// seeds of the whole cloud are among those of its parts. A point is known as far as the largest part it represents asks
-// for: in proportion to the size of the part around that one. So a tile knows its surroundings finely and the far world
-// coarsely; with a balanced tree of k tiles it has O(log k) seeds.
+// Every part (subtree) of the split tree, from one tile up to the whole cloud, has a point that represents it, drawn by
+// a hash of the coordinates. Where the part's box is unbounded, it also has its outermost points. What represents a
+// part also represents each of its halves that contains the point, so the seeds of the whole cloud are among the seeds
+// of its parts. The reach of a seed comes from the largest part that it represents: it is proportional to the size of
+// the part around that part. So a tile knows its surroundings finely and the distant world coarsely. With a balanced
+// tree of k tiles a tile has O(log k) seeds.
 class SeedFinder {
  public:
   explicit SeedFinder(int dimension) : dimension_(dimension) {}
 
-  // A point of a tile; by ascending id. `box`: of the tile.
+  // Adds a point of `tile`, whose box is `box`. REQUIRES: ids ascend.
   void add(TileId tile, const Box& box, const LocalPoint& p);
-  // Points with higher ids, which are `first_id` more than they say.
+  // Adds points with higher ids, which another finder has seen. `first_id` is to be added to their ids.
   void add(const SeedFinder& next, std::uint64_t first_id);
-  // Forgets what a tile had.
+  // Forgets the points of a tile.
   void restart(TileId tile);
   void write(FlatWriter& to) const;
-  // False when it is not what write() gives of so many tiles.
+  // Returns false when the bytes are not what write() makes of at most `tiles` tiles.
   bool read(FlatReader& from, std::uint32_t tiles);
 
-  // By tile, and by id within. `bounds`: by tile, of its points. `everywhere`: known to all tiles in any case.
+  // Returns the seeds by tile, and by id within a tile. `bounds`: by tile, the bounds of its points. `everywhere`:
+  // points that all tiles know in any case.
   std::vector<Seed> choose(const Partition& partition, const std::vector<Bounds>& bounds,
                            std::span<const LocalPoint> everywhere) const;
 
  private:
   struct Candidate {
-    double key = 0;  // the greatest wins
+    double key = 0;  // the candidate with the greatest key wins
     LocalPoint point;
   };
   struct Outermost {
@@ -47,7 +49,7 @@ class SeedFinder {
   struct Part {
     bool empty = true;
     Candidate drawn;
-    std::vector<Outermost> outermost;  // in the directions in which it has no end
+    std::vector<Outermost> outermost;  // in the directions in which the part is unbounded
     Bounds bounds;
     Box box;
   };

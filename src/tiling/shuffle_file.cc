@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t chunk_points = 32768;
 
-// Records of one size, a part of a file, checked as they are read.
+// Reads records of one size from a part of a file, and computes their checksum meanwhile.
 class Records {
  public:
   static Result<Records> open(const std::filesystem::path& path, std::size_t record_bytes, const Segment& segment) {
@@ -88,7 +88,8 @@ Status for_each_record(const ShuffleFiles& files, std::span<const Segment> segme
   std::vector<std::byte> rows(chunk_points * files.row_bytes);
   for (const Segment& segment : segments) {
     BOOST_OUTCOME_TRY(from, Records::open(points_path(files, segment), sizeof(LocalPoint), segment));
-    // Opened only if there are rows; Result has no empty state, so the points' file stands in.
+    // The file of rows is opened only if there are rows. Result has no empty state, so else the file of points takes
+    // its place.
     BOOST_OUTCOME_TRY(rows_from, files.row_bytes > 0
                                      ? Records::open(rows_path(files, segment), files.row_bytes, segment)
                                      : Records::open(points_path(files, segment), sizeof(LocalPoint), segment));

@@ -35,8 +35,8 @@ bool SpanFinder::read(FlatReader& from) {
 }
 
 bool SpanFinder::extends(const Point& p) const {
-  // Points that agree with the span on enough axes are in its flat, whatever the predicates would say at a hundred
-  // times the cost: a flat raster of 10^8 points is refused in seconds.
+  // A shortcut: points that agree with the whole span on enough axes lie in its affine hull. The exact predicates would
+  // say the same at a hundred times the cost. So a flat raster of 10^8 points is refused in seconds.
   int agree = 0;
   for (int a = 0; a < dimension_; ++a) {
     bool same = true;

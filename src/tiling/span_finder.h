@@ -1,4 +1,4 @@
-// The first points of a stream that span the space, and the lexicographically least point.
+// Finds the first points of a stream that span space, and the lexicographically least point.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,20 @@
 namespace tessera {
 
 // Keeps the first point, the first that differs from it, the first off their line, and (3D) the first off their plane.
-// Points arrive by ascending id, and a point that extends the span has had no equal before it: its id is the lowest of
-// its coordinates. The same holds for the least point. Exact; once the span is complete a point costs one comparison.
+// Points arrive by ascending id. No equal point came before a point that extends the span, so its id is the lowest with
+// these coordinates. The same holds for the least point. The tests are exact. Once the span is complete a point costs
+// one comparison.
 class SpanFinder {
  public:
   explicit SpanFinder(int dimension) : dimension_(dimension) {}
 
   void add(std::span<const LocalPoint> points);
-  // What the points that follow have shown, whose ids are `first_id` more than they say: of those that extend the span
-  // of these points, the first of each rank extended their own.
+  // Adds the points that follow, as another finder has seen them; `first_id` is to be added to their ids. The kept
+  // points of `next` are enough: the first following points that extend the span of this finder also extended the span
+  // of `next`.
   void add(const SpanFinder& next, std::uint64_t first_id);
   void write(FlatWriter& to) const;
-  // False when it is not what write() gives.
+  // Returns false when the bytes are not what write() makes.
   bool read(FlatReader& from);
 
   // -1: no points; 0: all equal; 1: all on a line; 2: all in a plane; 3.
@@ -40,7 +42,8 @@ class SpanFinder {
   LocalPoint least_;
 };
 
-// Why `points` points of rank() `rank` have no triangulation, as the end of a sentence. REQUIRES: rank < dimension.
+// Returns why `points` points of rank `rank` have no triangulation, as the end of a sentence. REQUIRES: rank <
+// dimension.
 std::string why_flat(std::uint64_t points, int rank, int dimension);
 
 }  // namespace tessera

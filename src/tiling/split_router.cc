@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// A stretch is routed before there is a plan: by one partition, as one attempt.
+// Marks the file of an input split. There is no plan yet, so the partition and the attempt identify it.
 FrameOwner owner_of(const Partition& partition, std::uint32_t attempt) {
   const std::string text = partition.to_json();
   return {checksum(std::as_bytes(std::span(text))), attempt};

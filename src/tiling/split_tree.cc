@@ -30,7 +30,7 @@ std::vector<Box> boxes_of(std::span<const SplitNode> nodes, std::uint32_t leaves
   return boxes;
 }
 
-// IEEE doubles are sign and magnitude: positive ones already sort as integers, negative ones in reverse.
+// IEEE doubles are sign and magnitude: positive doubles already sort as integers, negative ones in reverse.
 std::int64_t ordinal(double x) {
   const auto bits = std::bit_cast<std::int64_t>(x);
   return bits >= 0 ? bits : std::numeric_limits<std::int64_t>::min() - bits;
@@ -45,7 +45,8 @@ MedianSplit median_split(std::span<Point> points, int axis, std::size_t rank) {
   const auto nth = points.begin() + static_cast<std::ptrdiff_t>(rank);
   std::nth_element(points.begin(), nth, points.end(), by_axis);
   const double at = (*nth)[axis];
-  // Ties with the median go to one side together: the plane is at their value, or at the next one above.
+  // Points that are equal to the median on this axis go to one side together: the plane is at their value, or at the
+  // next higher one.
   const auto below =
       static_cast<std::size_t>(std::count_if(points.begin(), nth, [&](const Point& p) { return p[axis] < at; }));
   std::size_t up_to = rank;

@@ -1,4 +1,5 @@
-// Reading the files of a run folder back. They are ours, but a disk can be full, a copy cut short: nothing is assumed.
+// Reads the files of a run folder back. Tessera wrote them, but a disk can be full and a copy incomplete, so nothing is
+// assumed.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -22,8 +23,8 @@ Status check_tile(const RoutedCloud& run, TileId tile) {
   return error(Errc::internal, "tile " + std::to_string(tile.value) + " of " + std::to_string(run.tile_points.size()));
 }
 
-// Once for each tile in this process: rows are looked up here and there in mapped files, which never reads all of them.
-// Two threads may both check a tile; that costs time, not truth.
+// Checks all records of a tile, once in this process. Rows are looked up here and there in mapped files, so reading
+// them never covers all of them. Two threads may both check a tile; that costs time, not correctness.
 Status check_records(const RoutedCloud& run, TileId tile) {
   TileChecked not_remembered;
   TileChecked& checked = run.checked ? (*run.checked)[tile.value] : not_remembered;
@@ -59,7 +60,7 @@ Result<LoadedTile> load_tile(const RoutedCloud& run, TileId tile) {
     BOOST_OUTCOME_TRYV(read_points(run.files(), segment, part));
     for (std::size_t i = begin; i < begin + part.size(); ++i) {
       const LocalPoint& p = points[i];
-      // The checksum tells that these are the bytes that were written; this, that they were the right ones.
+      // The checksum says that these bytes were written. This test says that they are right.
       if (!is_finite(p.at) || !box.contains(p.at) || (i > 0 && p.id <= points[i - 1].id)) {
         return damaged_run(points_file(run.folder, run.bundles[segment.bundle].id),
                            "record " + std::to_string(segment.begin + i - begin) + " is not a point of tile " +
@@ -99,7 +100,7 @@ Result<std::vector<std::byte>> load_rows(ShuffleFileMaps& maps, TileId tile, con
   BOOST_OUTCOME_TRYV(check_records(run, tile));
   const auto first_id = [&](const Segment& s) { return PointId{run.bundles[s.bundle].first_id + s.first_id}; };
 
-  // Both sorted by id, so one pass, a segment after the other.
+  // Both are sorted by id, so one pass is enough, one segment after the other.
   std::vector<std::size_t> order(ids.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
@@ -113,8 +114,8 @@ Result<std::vector<std::byte>> load_rows(ShuffleFileMaps& maps, TileId tile, con
     BOOST_OUTCOME_TRY(mapped, maps.of(segment.bundle));
     const auto points = mapped->points.bytes().subspan(segment.begin * sizeof(LocalPoint));
     const auto from = mapped->rows.bytes().subspan(segment.begin * row);
-    // It gallops, since a neighbour tile asks for a few ids among a million.
-    std::size_t low = 0;  // no record before it has an id >= the one looked for
+    // An exponential search, since a neighbour tile asks for a few ids among a million.
+    std::size_t low = 0;  // no earlier record has an id >= the wanted one
     for (; next < order.size() && (after == segments.end() || ids[order[next]] < first_id(*after)); ++next) {
       const PointId id{ids[order[next]].value - bundle.first_id};
       std::size_t step = 1;

@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::uint64_t capacity_min = 4096;
 constexpr std::uint64_t capacity_max = std::uint64_t{1} << 31;
-constexpr std::size_t ahead = 24;            // records
+constexpr std::size_t ahead = 24;            // records that are prefetched
 constexpr std::size_t block_points = 16384;  // gathered, then written: 512 KB stay in the second-level cache
 
-// Records gathered into blocks, and their checksums by segment.
+// Gathers records into blocks, writes them, and computes their checksums by segment.
 class Gathered {
  public:
   Gathered(DiskFile& file, std::vector<std::byte>& block, std::size_t record_bytes)
@@ -30,7 +30,7 @@ class Gathered {
     return used_ < block_.size() ? success() : write();
   }
 
-  // Of the records since the last call.
+  // Returns the checksum of the records since the last call.
   std::uint64_t sum() {
     summed();
     return std::exchange(sum_, 0);
@@ -68,7 +68,7 @@ TileWriter::TileWriter(std::filesystem::path run_folder, std::uint32_t attempt, 
       capacity_(
           static_cast<std::size_t>(std::clamp(buffer_bytes / bytes_per_point(row_bytes), capacity_min, capacity_max))),
       routed_(dimension) {
-  // Reserved, not touched: a small cloud uses a small part.
+  // The memory is reserved, not touched: a small cloud uses a small part of it.
   points_.reserve(capacity_);
   rows_.reserve(capacity_ * row_bytes_);
   tiles_.reserve(capacity_);
@@ -127,7 +127,7 @@ Status TileWriter::flush(const Partition& partition) {
   return success();
 }
 
-// A file of the last bundle. `seen` is told of each record.
+// Writes a file of the last shuffle file's records. `seen` is called with each record's tile and index.
 template <class Seen>
 Status TileWriter::write(const std::filesystem::path& path, std::span<const std::byte> records,
                          std::span<const TileId> filled, std::uint64_t Segment::*sum, Seen seen) {
@@ -138,7 +138,7 @@ Status TileWriter::write(const std::filesystem::path& path, std::span<const std:
     Segment& segment = routed_.segments[tile.value].back();
     const std::size_t end = segment.begin + segment.count;
     for (std::size_t k = segment.begin; k < end; ++k) {
-      // A cloud in no order: each record is somewhere else. Those that come soon are asked for.
+      // In a cloud without order each record is somewhere else. The records that come soon are prefetched.
       __builtin_prefetch(records.data() + by_tile_[std::min(k + ahead, by_tile_.size() - 1)] * record_bytes);
       const std::size_t i = by_tile_[k];
       seen(tile, i);

@@ -1,4 +1,4 @@
-// Sorts a stream of points into bundles.
+// Sorts a stream of points into shuffle files.
 #pragma once
 
 #include <cstddef>
@@ -15,23 +15,23 @@
 
 namespace tessera {
 
-// Collects points in one buffer; when it is full, it is sorted by tile and becomes a bundle.
+// Collects points in one buffer. A full buffer is sorted by tile and becomes a shuffle file.
 class TileWriter {
  public:
-  // `attempt`: nobody else writes bundles of that one. `buffer_bytes`: memory to use, at least for a few thousand
-  // points.
+  // `attempt`: no other writer of the run has it, so no other writer has files of these names. `buffer_bytes`: memory
+  // to use; it is raised to what a few thousand points need.
   TileWriter(std::filesystem::path run_folder, std::uint32_t attempt, int dimension, std::size_t row_bytes,
              std::uint64_t buffer_bytes);
 
-  // What a point costs in the buffer.
+  // Bytes that a point needs in the buffer.
   static std::uint64_t bytes_per_point(std::size_t row_bytes) { return sizeof(LocalPoint) + row_bytes + 8; }
 
-  // REQUIRES: rows.size() == points.size() * row_bytes; ids ascend within a tile; the partition only grows from call to
-  // call.
+  // Adds points. REQUIRES: rows.size() == points.size() * row_bytes; ids ascend within a tile; from call to call the
+  // partition only grows.
   Status add(const Partition& partition, std::span<const LocalPoint> points, std::span<const std::byte> rows);
   Status flush(const Partition& partition);
 
-  // What has been flushed.
+  // The account of what has been flushed.
   RoutedPoints& routed() { return routed_; }
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 std::string urn(const std::string& code) { return "urn:ogc:def:crs:EPSG::" + code; }
 
-// The code of a system that carries one or is surely the same as one that has; else empty.
+// The code of a system that has a code, or is surely the same as a system with a code; else empty.
 std::string surely_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
   if (auto code = epsg_code(gdal, reference); !code.empty()) return code;
   // PROJ's confidence: 100 for an equal definition, 90 when only names differ in spelling.
@@ -30,7 +30,7 @@ std::string surely_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference)
   return code;
 }
 
-// What stands between the first quotation marks: its name in any WKT.
+// The text between the first quotation marks, which is the system's name in any WKT.
 std::string name_in(const std::string& wkt) {
   const auto first = wkt.find('"');
   const auto second = first == std::string::npos ? first : wkt.find('"', first + 1);
@@ -106,7 +106,7 @@ std::string crs_title(const std::string& crs) {
   if (!understood) return name_in(crs);
   const auto& [gdal, reference] = *understood;
   const GdalQuiet quiet(*gdal);
-  // A code says the unit, too; a name alone does not, and metres are what everybody expects.
+  // A code implies the unit, but a name does not. Metres are not mentioned, because people expect them.
   const auto unit = [&, gdal = gdal, handle = reference.get()](const char* path) -> std::string {
     const char* name = gdal->OSRGetAttrValue(handle, path, 0);
     return name == nullptr || std::string_view(name) == "metre" || std::string_view(name) == "Meter"

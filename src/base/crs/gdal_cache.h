@@ -1,4 +1,4 @@
-// GDAL's cache of pixels.
+// Shares of GDAL's cache of pixels.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace tessera {
 
-// While it lives, GDAL's cache may hold these bytes more. GDAL has one cache for all that the process does with it, and
-// one bound: here all that work with it at once add up theirs, and who is last puts back what was there before.
+// A share of GDAL's cache. GDAL has one cache and one bound for the whole process. While there are shares the bound is
+// the sum of all shares, and the last share restores the bound from before. Thread-safe.
 class GdalCacheShare {
  public:
   GdalCacheShare(const GdalLibrary& gdal, std::uint64_t bytes);

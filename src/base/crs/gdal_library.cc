@@ -11,8 +11,8 @@ namespace tessera {
 namespace {
 
 Result<GdalLibrary> load() {
-  const DefaultArithmetic kept;  // whatever the 110 libraries behind it do when they are loaded
-  // Never closed again: GDAL keeps threads and caches.
+  const DefaultArithmetic kept;  // 110 libraries are loaded with GDAL, and some of them may change the arithmetic
+  // GDAL is never unloaded, because it keeps threads and caches.
   void* handle = ::dlopen(TESSERA_GDAL_SONAME, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr)
     return error(Errc::io, std::string("coordinate systems need GDAL (Debian's package libgdal32): ") + ::dlerror());
@@ -26,7 +26,7 @@ Result<GdalLibrary> load() {
   TESSERA_GDAL_FUNCTIONS(TESSERA_GDAL_FIND)
 #undef TESSERA_GDAL_FIND
   if (missing != nullptr) return error(Errc::io, std::string(TESSERA_GDAL_SONAME) + " has no function " + missing);
-  // Before GDAL makes its first context of PROJ's.
+  // Must come before GDAL makes its first context of PROJ.
   keep_to_own_files(gdal);
   gdal.GDALRegister_GTiff();
   gdal.GDALRegister_COG();
@@ -38,8 +38,8 @@ Result<GdalLibrary> load() {
 
 void keep_quiet(CPLErr, CPLErrorNum, const char*) {}
 
-// Before it transforms, GDAL looks up what AUTHORITY of a WKT says, as if a user had typed "name:code": so it would
-// open the file of that name.
+// Before GDAL transforms, it looks up the AUTHORITY of a WKT as if a user had typed "name:code". So it would open a
+// file of that name.
 constexpr const char* ask_authority = "OGR_CT_PREFER_OFFICIAL_SRS_DEF";
 thread_local int quiet_on_this_thread = 0;
 
@@ -74,12 +74,13 @@ Result<SpatialReference> SpatialReference::parse(const GdalLibrary& gdal, const 
     return error(Errc::bad_input, "the coordinate system " + checked.error().where);
   SpatialReference reference(gdal, gdal.OSRNewSpatialReference(nullptr));
   const auto code = code_in(wkt);
-  // Never OSRSetFromUserInput: it takes texts for PROJ's strings, for addresses, and in the end for names of files.
+  // OSRSetFromUserInput() must not be used. It takes a text for a string of PROJ, for an address, and in the end for a
+  // file name.
   char* at = wkt.data();
   if ((code ? gdal.OSRImportFromEPSG(reference.get(), *code) : gdal.OSRImportFromWkt(reference.get(), &at)) !=
       OGRERR_NONE)
     return error(Errc::bad_input, "the coordinate system is not understood: " + quiet.message());
-  // Coordinates are x, y as they were read, whatever order an authority gives the axes.
+  // Coordinates are x, y as they were read, whatever the order of axes of an authority.
   gdal.OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
   return reference;
 }

@@ -1,5 +1,5 @@
-// GDAL, loaded when first needed: linked, it would add 40 ms to every start of the program, and machines without it
-// could run nothing. The C interface of its C++ library, since functions are looked up by name.
+// Loads GDAL when it is first needed. Linking GDAL would add 40 ms to every start of the program, and machines without
+// GDAL could run nothing. The interface is that of C, because functions are looked up by name.
 #pragma once
 
 #include <cpl_conv.h>
@@ -16,8 +16,8 @@
 
 #include "src/base/result.h"
 
-// The drivers that are used, each by itself, as GDAL's own gdal_frmts.h and ogrsf_frmts.h declare these functions: the
-// others, which open whatever is put before them, are not there at all.
+// The drivers in use, declared as in GDAL's gdal_frmts.h and ogrsf_frmts.h. Each is registered by itself. The other
+// drivers, which open whatever they are given, are not registered at all.
 extern "C" {
 void GDALRegister_COG();
 void GDALRegister_GTiff();
@@ -61,28 +61,29 @@ struct GdalLibrary {
 #undef TESSERA_GDAL_MEMBER
 };
 
-// Error io when GDAL is not installed.
+// The library, loaded once. Error io when GDAL is not installed. Thread-safe.
 Result<const GdalLibrary*> gdal_library();
 
-// While it lives, GDAL prints nothing on this thread, and asks no authority that a text names.
+// Until destroyed, GDAL prints nothing on this thread, and looks up no authority that a text names.
 class GdalQuiet {
  public:
   explicit GdalQuiet(const GdalLibrary& gdal);
   ~GdalQuiet();
   GdalQuiet(const GdalQuiet&) = delete;
   GdalQuiet& operator=(const GdalQuiet&) = delete;
-  // What GDAL said last.
+  // The last message of GDAL.
   std::string message() const;
 
  private:
   const GdalLibrary& gdal_;
 };
 
-// A coordinate system of GDAL's, freed when it goes.
+// A coordinate system of GDAL, freed by the destructor.
 class SpatialReference {
  public:
-  // The one way from a text to GDAL. WKT of any kind, or "EPSG:n"; empty: the undefined Cartesian one. Error bad_input
-  // for other texts and those that name files (check_crs_text in crs.h), and when GDAL does not understand it.
+  // Turns a text into a system. This is the only way from a text to GDAL. The text is WKT of any kind or "EPSG:n"; an
+  // empty text is the undefined Cartesian system. Error bad_input for other texts, for texts that name files
+  // (check_crs_text() in crs.h), and when GDAL does not understand the text.
   static Result<SpatialReference> parse(const GdalLibrary& gdal, const std::string& text);
   SpatialReference(SpatialReference&& other) noexcept : gdal_(other.gdal_), handle_(other.handle_) {
     other.handle_ = nullptr;
@@ -99,10 +100,10 @@ class SpatialReference {
   OGRSpatialReferenceH handle_;
 };
 
-// The code of a system that carries one of EPSG's; else empty.
+// The code of a system that has a code of EPSG; else empty.
 std::string epsg_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference);
 
-// Whether two systems mean the same, whatever names and order of axes they give.
+// Whether two systems mean the same, whatever their names and order of axes.
 bool equivalent(const GdalLibrary& gdal, OGRSpatialReferenceH a, OGRSpatialReferenceH b);
 
 }  // namespace tessera

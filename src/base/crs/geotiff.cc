@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-// A TIFF of one pixel with these keys: there are many ways to say the same system in them, and GDAL knows them all.
+// A TIFF of one pixel with the given keys. Keys can say the same system in many ways, and GDAL knows all of them.
 class TinyTiff {
  public:
   explicit TinyTiff(const GeoTiffKeys& keys) {
@@ -76,7 +76,7 @@ class TinyTiff {
   std::vector<unsigned char> bytes_, values_;
 };
 
-// A file in memory, of this name for its life.
+// A file in memory of GDAL, with a name of its own until destroyed.
 class MemoryFile {
  public:
   MemoryFile(const GdalLibrary& gdal, std::vector<unsigned char>& bytes) : gdal_(gdal) {
@@ -95,8 +95,8 @@ class MemoryFile {
   std::string name_;
 };
 
-// `source`: "GEOKEYS" for the keys' own parameters, none for GDAL's choice: it takes a code's name for whatever the
-// keys say.
+// Returns the WKT that GDAL makes of the keys. `source` is "GEOKEYS" for the keys' own parameters, or null for GDAL's
+// choice: then a code's name counts, whatever else the keys say.
 Result<std::string> read_keys(const GdalLibrary& gdal, std::vector<unsigned char>& bytes, const char* source) {
   gdal.CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
   gdal.CPLSetThreadLocalConfigOption("GTIFF_SRS_SOURCE", source);
@@ -121,7 +121,7 @@ std::optional<double> parse_metres(const std::string& text) {
   return code == std::errc() && end == text.data() + text.size() ? std::optional(metres) : std::nullopt;
 }
 
-// Whether a system is what its code says, or has none.
+// Whether a system is what its code says. True for a system without a code.
 bool says_its_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
   const std::string code = epsg_code(gdal, reference);
   if (code.empty()) return true;
@@ -130,9 +130,9 @@ bool says_its_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
 }
 
 constexpr std::uint16_t vertical_key = 4096, vertical_unit_key = 4099;
-constexpr std::size_t key_bytes = 8;  // id, where its value stands, how many, value
+constexpr std::size_t key_bytes = 8;  // the key's id, where its value is, how many values, the value
 
-// The entries of a directory behind its head, as far as there are any.
+// The whole entries of a directory behind its header.
 std::span<const std::byte> entries_of(std::span<const std::byte> directory) {
   const auto all = directory.subspan(key_bytes);
   return all.first(all.size() / key_bytes * key_bytes);
@@ -151,8 +151,8 @@ bool has_key(const GeoTiffKeys& keys, std::uint16_t id) {
   return false;
 }
 
-// GDAL reads WKT in a citation ("ESRI PE String = ..."), which may name files (wkt.h), and citations are for people: so
-// those that could hold any lose their slashes.
+// GDAL reads WKT in a citation ("ESRI PE String = ..."), and such WKT may name files (wkt.h). Citations are meant for
+// people. So citations that may contain WKT lose their slashes.
 std::vector<std::byte> without_paths(std::span<const std::byte> ascii) {
   std::vector<std::byte> text(ascii.begin(), ascii.end());
   if (std::find(text.begin(), text.end(), std::byte{'='}) == text.end()) return text;
@@ -161,7 +161,7 @@ std::vector<std::byte> without_paths(std::span<const std::byte> ascii) {
   return text;
 }
 
-// A directory without the key `id`.
+// The directory without the key `id`.
 std::vector<std::byte> without_key(const GeoTiffKeys& keys, std::uint16_t id) {
   const auto entries = entries_of(keys.directory);
   std::vector<std::byte> directory(keys.directory.begin(), keys.directory.begin() + key_bytes);
@@ -173,8 +173,9 @@ std::vector<std::byte> without_key(const GeoTiffKeys& keys, std::uint16_t id) {
   return directory;
 }
 
-// GDAL takes the unit of heights from the code of their system, whatever the key of the unit says: 5703 is in metres,
-// and surveys in feet name it all the same. What the key means is seen when it stands alone.
+// Corrects the unit of heights. GDAL takes this unit from the code of the vertical system, whatever the key of the unit
+// says. 5703 is in metres, but surveys in feet name it all the same. GDAL shows what the key means when the key stands
+// alone.
 Result<std::string> with_unit_of_heights(const GdalLibrary& gdal, const GeoTiffKeys& keys, const std::string& wkt) {
   if (!has_key(keys, vertical_key) || !has_key(keys, vertical_unit_key)) return wkt;
   BOOST_OUTCOME_TRY(reference, SpatialReference::parse(gdal, wkt));
@@ -189,11 +190,12 @@ Result<std::string> with_unit_of_heights(const GdalLibrary& gdal, const GeoTiffK
   const auto metres = parse_metres(value(reference, "VERT_CS|UNIT", 1));
   const auto meant = parse_metres(value(of_unit, "VERT_CS|UNIT", 1));
   if (!metres || !meant || std::abs(*metres - *meant) < 1e-9) return wkt;
-  constexpr int orthometric = 2005;  // as GDAL has it where nothing else is said
+  constexpr int orthometric = 2005;  // GDAL's value where no other is given
   const auto name = value(reference, "VERT_CS"), datum = value(reference, "VERT_DATUM");
   const auto unit = value(of_unit, "VERT_CS|UNIT");
   const auto contradicts = [] { return error(Errc::bad_input, "the unit of heights contradicts their system"); };
-  // Changing the unit leaves the code: so a system of the same datum without one first.
+  // A new unit would keep the old code. So the vertical system is first replaced by one with the same datum and no
+  // code.
   gdal.OSRStripVertical(reference.get());
   if (gdal.OSRSetVertCS(reference.get(), name.c_str(), datum.c_str(), orthometric) != OGRERR_NONE ||
       gdal.OSRSetTargetLinearUnits(reference.get(), "VERT_CS", unit.c_str(), *meant) != OGRERR_NONE)

@@ -1,5 +1,5 @@
-// The coordinate system that GeoTIFF keys describe.
-// Source: OGC GeoTIFF Standard 1.1 (19-008r4); LAS 1.4 - R15 stores its three tags in three records.
+// Reads the coordinate system from GeoTIFF keys.
+// Source: OGC GeoTIFF Standard 1.1 (19-008r4). LAS 1.4 - R15 stores the three tags in three records.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace tessera {
 
-// The tags GeoKeyDirectory (34735), GeoDoubleParams (34736) and GeoAsciiParams (34737), as bytes, little endian.
+// The bytes of the tags GeoKeyDirectory (34735), GeoDoubleParams (34736) and GeoAsciiParams (34737), little endian.
 struct GeoTiffKeys {
   std::span<const std::byte> directory, doubles, ascii;
 };
 
-// "EPSG:n" when the keys mean exactly what this code means, else WKT: with the units, the parameters and the vertical
-// system that the keys give. Errors: no GDAL (io); keys of which GDAL makes no system (bad_input).
+// Returns "EPSG:n" when the keys mean exactly what this code means, else WKT with the units, the parameters and the
+// vertical system of the keys. Errors: io without GDAL; bad_input for keys from which GDAL makes no system.
 Result<std::string> crs_of(const GeoTiffKeys& given);
 
 }  // namespace tessera

@@ -80,7 +80,7 @@ Result<Bounds> LonLat::box_by(const Bounds& box, bool forward) const {
   BOOST_OUTCOME_TRYV(forward ? to(border) : from(border));
   Bounds around;
   for (const Point& p : border) around.add(p);
-  // Between two of these points a line may bulge by an eighth of the square of the step, at most.
+  // Between two points of the border a line may bulge by at most an eighth of the square of the step.
   const double x = (around.hi.x - around.lo.x) / (steps * steps), y = (around.hi.y - around.lo.y) / (steps * steps);
   around.lo.x -= x;
   around.hi.x += x;

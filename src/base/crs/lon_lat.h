@@ -1,4 +1,4 @@
-// Places of a coordinate system as longitude and latitude (OGC's CRS84), and back.
+// Transforms coordinates of a system to longitude and latitude (CRS84 of OGC), and back.
 #pragma once
 
 #include <span>
@@ -9,21 +9,21 @@
 
 namespace tessera {
 
-// Of one thread at a time.
+// A transformation. Only one thread at a time may use it.
 class LonLat {
  public:
-  // Error bad_input when nothing, or nothing that GDAL understands, says where on the earth x and y are; io without
-  // GDAL.
+  // Makes the transformation of a system. Errors: bad_input when `crs` does not say where on the earth x and y are, or
+  // GDAL does not understand it; io without GDAL.
   static Result<LonLat> of(const std::string& crs);
   LonLat(LonLat&& other) noexcept;
   LonLat& operator=(LonLat&&) = delete;
   ~LonLat();
 
-  // x and y in place. Error bad_input when one of them has none.
+  // Transform x and y in place. Error bad_input when one of the points cannot be transformed.
   Status to(std::span<Point> points) const;
   Status from(std::span<Point> points) const;
-  // Of a box that is bounded by lines of the one system, the box in the other: by points of its border, and a little
-  // wider.
+  // Transform a box: they return a box of the other system that contains the given box. Points on the border are
+  // transformed, and the result is made a little wider.
   Result<Bounds> box_to(const Bounds& box) const { return box_by(box, true); }
   Result<Bounds> box_from(const Bounds& box) const { return box_by(box, false); }
   // The horizontal system, as WKT.

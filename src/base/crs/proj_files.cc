@@ -14,11 +14,12 @@ std::vector<std::string>& own_folders() {
   return folders;
 }
 
-// Never null: PROJ would go on looking where it always does. It copies the text before it asks again on this thread.
+// Returns the path of a file in PROJ's own folders. Never returns null, because PROJ would then search in its usual
+// places. PROJ copies the text before it asks again on this thread.
 const char* find_own(PJ_CONTEXT*, const char* name, void*) {
   static thread_local std::string found;
   const std::string_view plain(name);
-  found.clear();  // a name that no file has
+  found.clear();  // an empty name, which no file has
   if (plain.empty() || plain.find('/') != std::string_view::npos) return found.c_str();
   for (const auto& folder : own_folders()) {
     found = folder + "/" + name;

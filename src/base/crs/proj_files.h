@@ -1,14 +1,15 @@
-// Which files PROJ may open.
+// Restricts the files that PROJ may open.
 #pragma once
 
 #include "src/base/crs/gdal_library.h"
 
 namespace tessera {
 
-// From now on PROJ, in this process, finds files by their names in its own folders alone: those of PROJ_DATA, and the
-// one it was installed with. Without that it also looks into the current folder, and into a writable one:
-// ~/.local/share/proj, or /tmp/proj, which anybody may make, for users without a home. It asks nobody on the net,
-// whatever PROJ_NETWORK says. Names with a folder it opens as they are: see wkt.h. Before its first context is made.
+// From this call on, PROJ finds files by name only in its own folders: those of PROJ_DATA and the folder with which it
+// was installed. By default PROJ also looks into the current folder and into a writable folder: ~/.local/share/proj, or
+// for users without a home /tmp/proj, which anyone may make. PROJ also stops using the network, whatever PROJ_NETWORK
+// says. It still opens names with a folder as they are: see wkt.h. To be called before the first context of PROJ is
+// made.
 void keep_to_own_files(const GdalLibrary& gdal);
 
 }  // namespace tessera

@@ -13,7 +13,7 @@ Result<StorageCrs> storage_crs(const std::string& crs) {
   if (!name.starts_with(epsg)) return StorageCrs{};
   const std::string code = name.substr(epsg.size());
   BOOST_OUTCOME_TRY(gdal, gdal_library());
-  // Not what was given: that may say another order than the code does.
+  // The definition of the code counts, because the given text may have another order of axes.
   BOOST_OUTCOME_TRY(defined, SpatialReference::parse(*gdal, "EPSG:" + code));
   const GdalQuiet quiet(*gdal);
   const bool swapped =

@@ -1,4 +1,4 @@
-// A coordinate system as surveyors' files tell it: with the units of its coordinates.
+// Coordinate systems as surveyors' files describe them, with the units of coordinates.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,25 @@ namespace tessera {
 
 enum class LengthUnit : std::uint8_t { metre, foot, us_survey_foot };
 
+// A system with units of length.
 struct SurveySystem {
   LengthUnit horizontal = LengthUnit::metre;
-  LengthUnit vertical = LengthUnit::metre;  // like the horizontal one when the system does not say
+  LengthUnit vertical = LengthUnit::metre;  // the horizontal unit when the system does not say
   std::string title;                        // for people
-  std::string epsg;                         // the code of the horizontal system, if one is surely the same; or empty
+  std::string epsg;                         // the code of the horizontal system, if one is surely the same; else empty
   std::string wkt;
 };
 
-// What coordinates count, for people: "metre", "foot", "US survey foot", "degree", or as the system calls it. Empty
-// where nobody knows: there is no system, or no GDAL, or GDAL does not understand it.
+// The units of coordinates, for people: "metre", "foot", "US survey foot", "degree", or the system's own name. Empty
+// when there is no system or no GDAL, or when GDAL does not understand the system.
 struct CoordinateUnits {
-  std::string horizontal, vertical;  // heights: like the horizontal one when the system does not say, but for degrees
+  // when the system does not say, the unit of heights is the horizontal one, but empty for degrees
+  std::string horizontal, vertical;
 };
 CoordinateUnits coordinate_units(const std::string& crs);
 
-// What `crs`, WKT or "EPSG:n", says; empty: metres, and no names. Errors: no GDAL (io), a text that it does not
-// understand (bad_input), degrees and other units than those above (usage).
+// Describes `crs`, which is WKT or "EPSG:n". An empty text means metres without names. Errors: io without GDAL;
+// bad_input for a text that GDAL does not understand; usage for degrees and for units other than those above.
 Result<SurveySystem> survey_system(const std::string& crs);
 
 }  // namespace tessera

@@ -6,14 +6,14 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t bytes_max = 65535;  // as many as a record of a LAS file holds
-constexpr int depth_max = 16;             // PROJ reads no deeper
+constexpr std::size_t bytes_max = 65535;  // the largest record of a LAS file
+constexpr int depth_max = 16;             // PROJ reads no deeper nesting
 
-// Words between blanks. These begin a coordinate system,
+// Lists of words between blanks. The first list has the keywords that begin a coordinate system.
 constexpr std::string_view systems =
     " BOUNDCRS COMPD_CS COMPOUNDCRS DERIVEDPROJCRS ENGCRS ENGINEERINGCRS GEOCCS GEODCRS GEODETICCRS GEOGCRS GEOGCS "
     "GEOGRAPHICCRS LOCAL_CS PROJCRS PROJCS PROJECTEDCRS VERTCRS VERTCS VERTICALCRS VERT_CS ";
-// and these have a name for people, or are texts for them.
+// The second list has the keywords whose text is a name for people, or another text for people.
 constexpr std::string_view labels =
     " ABRIDGEDTRANSFORMATION ANCHOR ANGLEUNIT AREA AXIS BASEENGCRS BASEGEODCRS BASEGEOGCRS BASEPROJCRS BASEVERTCRS "
     "CITATION CONVERSION DATUM EDATUM ELLIPSOID ENGINEERINGDATUM ENSEMBLE GEODETICDATUM LENGTHUNIT LOCAL_DATUM MEMBER "
@@ -21,13 +21,13 @@ constexpr std::string_view labels =
 
 bool is_one_of(const std::string& word, std::string_view words) { return words.find(" " + word + " ") != words.npos; }
 
-// Stricter than PROJ: what PROJ would read in another way is refused.
+// Reads WKT. This class is stricter than PROJ: what PROJ would read in another way is refused.
 class Walk {
  public:
   explicit Walk(std::string_view text) : rest_(text), size_(text.size()) {}
 
   Status systems_to_the_end() {
-    do {  // ESRI's compound systems stand one behind the other
+    do {  // ESRI writes the parts of a compound system one behind the other
       skip_blank();
       const std::string keyword = take_word();
       if (keyword.empty() || !is_one_of(keyword, systems))
@@ -51,7 +51,7 @@ class Walk {
     rest_.remove_prefix(1);
     return true;
   }
-  // A keyword or a value without quotation marks, in capital letters.
+  // Reads a keyword, or a value without quotation marks. Returns it in capital letters.
   std::string take_word() {
     constexpr std::string_view more = "_.+-:";
     const auto is_in_word = [&](char c) {
@@ -89,7 +89,7 @@ class Walk {
   Status quoted_of(const std::string& keyword) {
     std::size_t end = rest_.find('"', 1);
     while (end < rest_.size() && rest_.substr(end + 1).starts_with('"'))
-      end = rest_.find('"', end + 2);  // two mean one
+      end = rest_.find('"', end + 2);  // a doubled quotation mark is part of the text
     if (end >= rest_.size()) return bad("it ends within quotation marks");
     const auto value = rest_.substr(1, end - 1);
     rest_.remove_prefix(end + 1);

@@ -43,7 +43,7 @@ Result<std::uint64_t> checksum_file(const std::filesystem::path& path, SumOf wha
   if (what == SumOf::pieces) return checksum_pieces(std::move(file));
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
-  std::vector<std::byte> buffer(std::size_t{1} << 18);  // stays in the second-level cache
+  std::vector<std::byte> buffer(std::size_t{1} << 18);  // small enough to stay in the second-level cache
   for (;;) {
     BOOST_OUTCOME_TRY(n, file.read(buffer));
     XXH3_64bits_update(state.get(), buffer.data(), n);

@@ -19,9 +19,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 30;  // Linux moves at most 2 GiB a call
+constexpr std::size_t piece_bytes = std::size_t{1} << 30;  // Linux transfers at most 2 GiB a call
 
-// What was opened without waiting. What is no file is waited for again when it is written to, as terminals are.
+// Checks what was opened without waiting. O_NONBLOCK is removed again from what is not a file, such as a terminal, so
+// that writing waits.
 Status check_kind(int fd, int flags, const fs::path& path) {
   if ((flags & (O_PATH | O_DIRECTORY)) != 0) return success();
   struct stat status {};
@@ -62,7 +63,7 @@ Result<FileHandle> open_handle(const fs::path& path, int flags, const fs::path& 
       BOOST_OUTCOME_TRYV(check_kind(file.get(), flags, final_name));
       return file;
     }
-    // Of a named pipe that nobody reads.
+    // ENXIO: a named pipe without a reader.
     if (errno == ENXIO) return error(Errc::io, final_name.string() + ": is not a regular file");
     if (errno != EINTR) return io_error(final_name, (flags & O_CREAT) != 0 ? "cannot create" : "cannot open", errno);
   }
@@ -75,7 +76,7 @@ Status check_regular(const fs::path& path) {
 
 Result<FileHandle> nameless_file(const fs::path& folder) {
   FileHandle file(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
-  // Some network file systems, and kernels before 3.11, cannot do that.
+  // Some network file systems, and kernels before 3.11, have no O_TMPFILE.
   if (file.get() < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL || errno == ENOENT)) {
     std::string name = (folder / ".tessera-XXXXXX").string();
     file = FileHandle(::mkostemp(name.data(), O_CLOEXEC));

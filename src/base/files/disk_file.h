@@ -1,5 +1,5 @@
-// A file read or written from its beginning to its end: opened, used and closed at once, so that a thousand tiles need
-// few descriptors.
+// A file that is read or written once from beginning to end. Each file is opened, used and closed at once, so a
+// thousand tiles need few descriptors.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@
 
 namespace tessera {
 
-// Every error is Errc::io and names the file and what the system says.
+// Errors name the file and what the system says. Their code is io, or memory; writing may also fail as the thread's
+// ledger does.
 class DiskFile {
  public:
   enum class Mode : std::uint8_t { read, append, replace };
@@ -21,10 +22,10 @@ class DiskFile {
   static Result<DiskFile> open(const std::filesystem::path& path, Mode mode);
 
   Result<std::uint64_t> size() const { return size_of(file_, path_); }
-  // Up to buffer.size() bytes; fewer only at the end of the file.
+  // Reads on from where the last call ended. Fewer bytes than buffer.size() come only at the end of the file.
   Result<std::size_t> read(std::span<std::byte> buffer);
   Status write(std::span<const std::byte> bytes) { return write_on(file_.get(), bytes, path_); }
-  // Also reports what a network file system only tells on closing.
+  // Closes the file. Also reports errors that a network file system tells only on closing.
   Status close();
 
  private:

@@ -17,7 +17,7 @@ bool is_entry(const ::dirent& entry) {
   return name != "." && name != "..";
 }
 
-// 0 or why not.
+// Removes an entry of `folder` with everything in it. Returns 0 or the error number.
 int remove_at(int folder, const char* name) noexcept {
   if (::unlinkat(folder, name, 0) == 0 || errno == ENOENT || errno == ENOTDIR) return 0;
   const int refused = errno;

@@ -1,6 +1,6 @@
-// What stands in a folder, and removing it, without any memory of ours. In place of std::filesystem's iterators and
-// remove_all(): libstdc++ makes an entry's path in a noexcept function, which ends the process when there is no memory
-// for it, and what has run out of memory must still be able to clean up.
+// Lists and removes folders without allocating memory. std::filesystem's iterators and remove_all() do not serve:
+// libstdc++ makes an entry's path in a noexcept function, which ends the process when memory runs out. Code that has
+// run out of memory must still be able to clean up.
 #pragma once
 
 #include <dirent.h>
@@ -14,15 +14,16 @@
 
 namespace tessera {
 
-// while (const char* name = reader.next()) ...
+// Lists a folder: while (const char* name = reader.next()) ...
 class FolderReader {
  public:
-  // What goes wrong is told by error().
+  // An error of opening is told by error().
   explicit FolderReader(const std::filesystem::path& folder) noexcept;
   FolderReader(const FolderReader&) = delete;
   FolderReader& operator=(const FolderReader&) = delete;
   ~FolderReader();
-  // The names in it, without "." and "..", in no order. Null at the end, and after an error. Until the next call.
+  // Returns the next name other than "." and "..", in no order. Null at the end and after an error. The name is valid
+  // until the next call.
   const char* next() noexcept;
   std::error_code error() const { return error_; }
 
@@ -31,12 +32,12 @@ class FolderReader {
   std::error_code error_;
 };
 
-// All names in it, in order. Error io.
+// All names in a folder, sorted. Error io.
 Result<std::vector<std::string>> sorted_names(const std::filesystem::path& folder);
 
-// Removes a file, or a folder with all that is in it; links are not followed. No error when there is nothing.
+// Removes a file, or a folder with everything in it. Does not follow links. A missing path is no error.
 std::error_code remove_tree(const std::filesystem::path& path) noexcept;
-// The same, with a sentence for what the system refuses. Errors: io, memory.
+// The same, with an error that is a sentence. Errors: io, memory.
 Status remove_whole(const std::filesystem::path& path);
 
 }  // namespace tessera

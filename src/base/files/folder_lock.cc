@@ -36,7 +36,8 @@ nanoseconds last_change(const struct stat& status) {
   return std::chrono::seconds(status.st_ctim.tv_sec) + nanoseconds(status.st_ctim.tv_nsec);
 }
 
-// Opened first: network file systems ask their server then, and not their cache. Nothing when the file is gone.
+// The file is opened first, because then network file systems ask their server and not their cache. Nothing when the
+// file is gone.
 std::optional<nanoseconds> last_change(const fs::path& path) {
   const FileHandle file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
@@ -44,7 +45,7 @@ std::optional<nanoseconds> last_change(const fs::path& path) {
   return last_change(status);
 }
 
-// The file in the lock folder. Empty when there is none.
+// The name of the file in the lock folder. Empty when there is none.
 Result<std::string> owner_name(const fs::path& lock) {
   FolderReader reader(lock);
   if (const char* name = reader.next()) return std::string(name);
@@ -62,18 +63,18 @@ Error locked(const fs::path& out, const std::string& name) {
   return error(Errc::usage, out.string() + ": another tessera is at work in it" + words_for(name));
 }
 
-// Runs on while the machine is suspended.
+// A clock that runs on while the machine is suspended.
 nanoseconds boot_time() {
   timespec now{};
   ::clock_gettime(CLOCK_BOOTTIME, &now);
   return std::chrono::seconds(now.tv_sec) + nanoseconds(now.tv_nsec);
 }
 
-// What the owner's file is called for the moment in which the owner renames it and back.
+// The name of the owner's file while the owner renames it and back.
 std::string name_for_a_moment(std::string name) { return std::move(name) + "+"; }
 
-// Whether the file is in its folder. The folder is listed: a name would be looked up in what this machine remembers of
-// the folder, which after a suspension is old.
+// Whether the file is in its folder. The folder is listed, because a single name would be looked up in this machine's
+// cache, which is old after a suspension.
 Result<bool> is_listed(const fs::path& file) {
   const std::string name = file.filename().string(), for_a_moment = name_for_a_moment(name);
   FolderReader reader(file.parent_path());
@@ -85,7 +86,7 @@ Result<bool> is_listed(const fs::path& file) {
   return false;
 }
 
-// Why the lock is not its owner's any more.
+// Says why the lock no longer belongs to its owner.
 Error lost_lock(const fs::path& out, const fs::path& lock) {
   const auto name = owner_name(lock);
   if (name && !name.value().empty()) {
@@ -114,18 +115,18 @@ Flock try_flock(const FileHandle& folder, bool use_flock) {
 
 struct FolderLock::Impl {
   fs::path out, lock;
-  FileHandle folder;  // with flock(), where it works
+  FileHandle folder;  // flock() holds it, where flock() works
   LockOwner owner;
   fs::path file;
   LockOptions options;
-  nanoseconds patience{};              // of the owner with its own silence: less than that of others
-  std::atomic<nanoseconds> touched{};  // just before the last touch that went well, by boot_time()
+  nanoseconds patience{};              // how long an owner trusts its lock while silent; less than silence_max
+  std::atomic<nanoseconds> touched{};  // the boot_time() just before the last successful touch
   std::mutex losing;
   std::atomic<bool> is_lost = false;
-  Error why = {};  // with `losing`
+  Error why = {};  // guarded by `losing`
   std::mutex mutex;
   std::condition_variable_any woken;
-  std::jthread thread;  // last: ends before what it uses
+  std::jthread thread;  // the last member, so that it ends before what it uses
 
   ~Impl() {
     if (thread.joinable()) {
@@ -134,13 +135,13 @@ struct FolderLock::Impl {
     }
     if (file.empty()) return;
     ::unlink(file.c_str());
-    ::rmdir(lock.c_str());  // unless another has made it its own meanwhile
+    ::rmdir(lock.c_str());  // fails when another process has taken the folder meanwhile
   }
 
   void beat(const std::stop_token& stop) {
     std::unique_lock guard(mutex);
     while (!woken.wait_for(guard, stop, options.heartbeat, [&] { return stop.stop_requested(); })) {
-      // Errors pass: a server that does not answer for a while. When that lasts, check() finds the lock lost.
+      // Errors pass, as when a server does not answer for a while. When that lasts, check() finds the lock lost.
       if (check()) touch();
       if (is_lost) return;
     }
@@ -176,7 +177,8 @@ struct FolderLock::Impl {
     return why;
   }
 
-  // After a long silence: by what only one of all can do who want the lock. REQUIRES: `losing` is held.
+  // Renews the lock after a long silence, by a renaming that only one of all interested processes can do. REQUIRES:
+  // `losing` is held.
   Status renew() {
     const auto before = boot_time();
     const fs::path moment = lock / name_for_a_moment(owner.name());
@@ -193,7 +195,7 @@ struct FolderLock::Impl {
     return success();
   }
 
-  // What processes that are dead were making when they were killed.
+  // Removes what dead processes were making when they were killed.
   void remove_remains() const {
     const std::string prefix = new_lock_folder("", "").string();
     FolderReader reader(out);
@@ -201,12 +203,12 @@ struct FolderLock::Impl {
       const std::string name = entry;
       if (!name.starts_with(prefix)) continue;
       const auto maker = LockOwner::from_name(name.substr(prefix.size()));
-      // What cannot be removed the next owner tries again.
+      // The next owner tries again what cannot be removed now.
       if (maker && maker->under_this_kernel() && !maker->may_be_alive()) remove_tree(out / name);
     }
   }
 
-  // A new lock folder, with its owner in it from the start. False when there is one.
+  // Makes a new lock folder, which has its owner from the start. Returns false when there is a lock already.
   Result<bool> make(nanoseconds& now) {
     BOOST_OUTCOME_TRY(made, TemporaryFolder::make(new_lock_folder(out, owner.name())));
     const auto path = made.path() / owner.name();
@@ -220,7 +222,7 @@ struct FolderLock::Impl {
       return true;
     }
     if (errno == EEXIST || errno == ENOTEMPTY) return false;
-    // A network file system may have done it and lost its answer.
+    // A network file system may have renamed the folder and lost its answer.
     const int reason = errno;
     if (const auto there = is_there(file); there && there.value()) return true;
     return io_error(lock, "cannot be made", reason);
@@ -234,7 +236,7 @@ struct FolderLock::Impl {
       BOOST_OUTCOME_TRY(name, owner_name(lock));
       return locked(out, name);
     }
-    // Each turn that ends without an answer, somebody else has taken or given up the lock.
+    // In each turn that ends without an answer another process has taken or given up the lock.
     constexpr int turns_max = 100;
     for (int turn = 0; turn < turns_max; ++turn) {
       nanoseconds now{};

@@ -25,7 +25,7 @@ static_assert(std::endian::native == std::endian::little, "frames are little end
 namespace {
 
 constexpr std::uint32_t magic = 0x62467354;        // "TsFb"
-constexpr std::uint32_t older_magic = 0x72467354;  // "TsFr", of a shorter header without the owner
+constexpr std::uint32_t older_magic = 0x72467354;  // "TsFr": a shorter header without the owner
 
 struct Header {
   std::uint32_t magic = 0;
@@ -41,7 +41,8 @@ std::uint64_t checksum_of(const Header& header, std::span<const std::byte> paylo
   return checksum(payload, checksum(fields));
 }
 
-// Header and payload in one call when the system takes them: an append of another process cannot come between.
+// Writes header and payload in one call when the system takes them, so that an append of another process cannot come
+// between.
 Status write_framed(int fd, ScratchKind kind, const FrameOwner& owner, std::span<const std::byte> payload,
                     const fs::path& path) {
   Header header{magic, static_cast<std::uint32_t>(kind), payload.size(), owner, 0};
@@ -68,7 +69,7 @@ Status write_new(const fs::path& path, int flags, ScratchKind kind, const FrameO
   return success();
 }
 
-// Goes through the frames of an open file.
+// Reads the frames of an open file in order.
 class FrameReader {
  public:
   static Result<FrameReader> open(const fs::path& path, ScratchKind kind) {
@@ -78,7 +79,7 @@ class FrameReader {
   }
 
   bool at_end() const { return at_ == size_; }
-  // A place beyond the end is one where nothing stands.
+  // A place beyond the end of the file counts as the end.
   void go_to(std::uint64_t at) { at_ = begin_ = std::min(at, size_); }
 
   // REQUIRES: !at_end().
@@ -95,7 +96,7 @@ class FrameReader {
     return payload;
   }
 
-  // Whose the next frame is. Its payload is passed over.
+  // The owner and place of the next frame, whose payload is skipped.
   Result<FramePlace> next_place() {
     const std::uint64_t at = at_;
     BOOST_OUTCOME_TRY(header, next_header());
@@ -135,7 +136,7 @@ class FrameReader {
   FileHandle file_;
   std::uint64_t size_;
   std::uint64_t at_ = 0;
-  std::uint64_t begin_ = 0;  // of the frame that is read
+  std::uint64_t begin_ = 0;  // where the frame begins that is being read
 };
 
 }  // namespace

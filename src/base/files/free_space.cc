@@ -6,7 +6,7 @@ namespace tessera {
 
 std::optional<std::uint64_t> known_free_bytes(const std::filesystem::path& folder) {
   struct statvfs status {};
-  // File systems that do not know their size say 0.
+  // File systems that do not know their size report 0.
   if (::statvfs(folder.c_str(), &status) != 0 || status.f_blocks == 0) return std::nullopt;
   return static_cast<std::uint64_t>(status.f_bavail) * status.f_frsize;
 }

@@ -1,4 +1,4 @@
-// How much room a file system has.
+// The free space of a file system.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@
 
 namespace tessera {
 
-// Bytes that this process may still write there; nothing when the file system does not tell.
+// The bytes that this process may still write to the file system of `folder`. Nothing when the file system does not
+// tell.
 std::optional<std::uint64_t> known_free_bytes(const std::filesystem::path& folder);
-// The same; 0 when it cannot be told.
+// The same, but 0 when the file system does not tell.
 std::uint64_t free_bytes(const std::filesystem::path& folder);
 
-// Error io, with both figures, when `free`, that known_free_bytes() tells of the folder, is less than `needed`. `what`
-// needs it: "the tileset". What nobody can tell is found out by writing.
+// Error io, with both figures, when `free` is less than `needed`. `free` comes from known_free_bytes(folder), and
+// `what` needs the space: "the tileset". When `free` is unknown the check succeeds, and writing will tell.
 Status check_room(const std::filesystem::path& folder, const std::string& what, std::uint64_t needed,
                   std::optional<std::uint64_t> free);
 

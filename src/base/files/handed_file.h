@@ -1,5 +1,5 @@
-// Of a run folder: handed/000042.bin, a tile as a node had it that has left the cluster, for whichever begins it next.
-// A frame of kind state (frame.h).
+// The name handed/000042.bin in a run folder: the image of a tile that was left by a node which has left the cluster,
+// for the node that begins the tile next. The file is a frame of kind state (frame.h).
 #pragma once
 
 #include <filesystem>

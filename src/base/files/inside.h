@@ -1,4 +1,4 @@
-// Paths that another process names.
+// Checks paths that another process has named.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// Error usage unless `path` lies in `folder`, links followed as far as there is something.
+// Error usage unless `path` lies in `folder`. Links are followed as far as the path exists.
 Status check_inside(const std::filesystem::path& folder, const std::filesystem::path& path);
 
 }  // namespace tessera

@@ -27,7 +27,7 @@ std::string safe(std::string text) {
 std::string this_boot() { return safe(boot_id()); }
 
 std::string this_pid_namespace() {
-  std::error_code ignored;  // then it is empty, and processes are not looked up
+  std::error_code ignored;  // then the name is empty, and processes are not looked up
   return safe(std::filesystem::read_symlink("/proc/self/ns/pid", ignored).string());
 }
 

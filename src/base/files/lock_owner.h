@@ -1,4 +1,4 @@
-// Who holds a folder's lock, as the name of a file.
+// The owner of a folder's lock, as the name of a file.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,21 @@
 namespace tessera {
 
 struct LockOwner {
-  std::string host;           // for people: two machines may have one name
-  std::string boot;           // of the kernel: unlike any other's
-  std::string pid_namespace;  // in which `process` is a number
+  std::string host;           // for people; two machines may have the same name
+  std::string boot;           // the id of the kernel's boot, unlike any other
+  std::string pid_namespace;  // the namespace in which `process` is a number
   std::int64_t process = 0;
-  std::uint64_t started = 0;  // in clock ticks since the boot: tells processes with one number apart
-  std::string token;          // of one lock
+  std::uint64_t started = 0;  // in clock ticks since the boot; tells apart processes with the same number
+  std::string token;          // different for each lock
 
-  static LockOwner this_process();  // with a new token
-  // Nothing when the name is not one that name() makes.
+  static LockOwner this_process();  // makes a new token
+  // Returns nothing for a name that name() does not make.
   static std::optional<LockOwner> from_name(const std::string& name);
   std::string name() const;
 
+  // Whether the owner ran since the same boot of the same kernel as this process.
   bool under_this_kernel() const;
-  // Known only where processes are seen: REQUIRES under_this_kernel(). True when unsure.
+  // Whether the owner's process may be alive. True when unsure. REQUIRES: under_this_kernel().
   bool may_be_alive() const;
 };
 

@@ -1,4 +1,4 @@
-// A file as bytes in memory, read as they are touched.
+// A file as bytes in memory, read when they are touched.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-// REQUIRES: nobody truncates the file meanwhile.
+// REQUIRES: no process truncates the file meanwhile.
 class MappedFile {
  public:
   // Error io.

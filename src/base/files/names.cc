@@ -38,7 +38,7 @@ constexpr const char* authority = "ca";
 constexpr const char* certificate_ending = ".pem";
 constexpr const char* key_ending = ".key";
 
-// No other process has it: numbers of processes alone are used again, and by every container.
+// A name that no other process has. Numbers of processes alone are used again, and by every container.
 std::string token_of_process() {
   static const std::string token = random_token();
   return "-" + std::to_string(::getpid()) + "-" + token;
@@ -120,7 +120,7 @@ std::optional<std::uint32_t> version_of_tile_file(const fs::path& file) {
   const auto tile = number_in(std::string_view(name).substr(0, dash));
   const auto version = number_in(std::string_view(name).substr(dash + 1, name.rfind('.') - dash - 1));
   if (!tile || !version || *version < 2) return std::nullopt;
-  // Names are made in one way.
+  // A name counts only if tile_file() makes exactly this name.
   if (tile_file("", TileId{*tile}, *version, *kind).filename() != name) return std::nullopt;
   return version;
 }

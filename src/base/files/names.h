@@ -1,67 +1,68 @@
-// Every name in a result folder and in a run folder, and of what is on its way there.
+// Every name in a result folder, in a run folder and in other folders, and the names of files that are being written.
 //
 //   OUT/manifest.json              what the result is; written last
 //   OUT/triangulation.pvtu         the master file, over the tiles
 //   OUT/tiles/000042.vtu           a tile with its cells
 //   OUT/tiles/000042.pts           a tile kept as points
 //   OUT/tiles/node-000000.done     while the run is unfinished: the entries of the tiles that node 0 has stored;
-//                                  a tile's alone in 000042.done of older software
+//                                  older software wrote an entry to a file of its own, 000042.done
 //   OUT/tiles/000042-2.vtu, .pts   a tile as version 2 of the result wrote it
 //   OUT/.versions/000001.json      the manifest of version 1, once there is a newer one; 000001.copy.json: a copy of it
 //   OUT/.versions/pass/            what the writer of a version needs meanwhile: values/000042.bin, sent/000042.bin
 //   OUT/duplicates.bin             when there are any
 //   OUT/report.html
 //   OUT/.lock/                     while a process works in the folder (folder_lock.h)
-//   OUT/.run/                      the run folder, while the run is unfinished; OUT/.run.new-4711-.../ of its
-//                                  own for every process until points are routed
+//   OUT/.run/                      the run folder, while the run is unfinished; until points are routed each process
+//                                  has a run folder of its own, OUT/.run.new-4711-.../
 //     plan.json                    what was routed; written last
 //     segments.bin                 where a tile's points are (src/tiling/routed_cloud.h)
-//     points/000000-000007.bin     routed points, as many as a buffer held
+//     points/000000-000007.bin     routed points, as many as one buffer held
 //     attributes/000000-000007.bin their attributes; absent when nothing is carried
-//     routing.bin                  while many nodes route: what they must know
-//     stretches/000003.bin         what one of them has routed
+//     routing.bin                  while many nodes route: what the nodes must know
+//     stretches/000003.bin         what one attempt at an input split has routed
 //     state/000042.bin, finals/000042.bin, mail/000042.bin, duplicates/000042.bin
 //                                  scratch of a tile: frames (frame.h)
 //     settled/node-000000.bin      scratch of all tiles of node 0
 //     settled.done                 all tiles are settled
-//     terms/1                      the first coordinator of a cluster that has worked on it
-//   NAME.tmp, NAME.tmp-4711-...    NAME while it is written; of its own for every process where two may write the same
+//     terms/1                      the first coordinator of a cluster that has worked on the run
+//   NAME.tmp, NAME.tmp-4711-...    NAME while it is written; with a number where two processes may write the same file
 //
-// and in the data folder of a service:
+// Names in the data folder of a service:
 //
-//   DATA/format                    the number of the format of all this
-//   DATA/reserve                   takes room that a start on a full disk needs
+//   DATA/format                    the number of the format of the data folder
+//   DATA/reserve                   occupies space that a start on a full disk needs
 //   DATA/id                        tells this data folder from any other: nodes of a cluster share one
-//   DATA/scratch/NODE/             tiles that a node of a cluster without a disk of its own does not have in memory
+//   DATA/scratch/NODE/             scratch of a node of a cluster that has no disk of its own
 //   DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found
 //   DATA/tokens                    who may ask (src/service/http/tokens.h)
 //   DATA/forgotten.txt             the ids of jobs that were removed, a line each
-//   DATA/events.json               which numbers events may have next
+//   DATA/events.json               which numbers the next events may have
 //   DATA/results/NAME/             a result folder; with exports/ in it, what it was exported to
-//   DATA/answers/TOKEN/            what a question brings along, and its answer, while it is answered
-//   DATA/uploads/NAME/FILE         an input; .FILE.part while it comes
-//   .../exports/3dtiles/           its tileset, which the dashboard shows
-//   .../.unfinished-ID             what job ID makes, until it is whole
+//   DATA/answers/TOKEN/            the input of a question and its answer, while the question is answered
+//   DATA/uploads/NAME/FILE         an input; .FILE.part while it is uploaded
+//   .../exports/3dtiles/           the tileset of a result, which the dashboard shows
+//   .../.unfinished-ID             the output of job ID until it is whole
 //   .../.removed-...               what is being removed
 //   .../.desk-7/                   what daemon number 7 of this data folder is just putting there
-//   (src/service/staging_folder.h) DATA/terms/7                   says that there was a daemon number 7
+//                                  (src/service/staging_folder.h)
+//   DATA/terms/7                   says that there was a daemon number 7
 //
-// and in a tileset (src/result/tileset):
+// Names in a tileset (src/result/tileset):
 //
 //   TILESET/tileset.json           the tree of its nodes; written last
 //   TILESET/nodes/000042.glb       the surface of a node
 //
-// and in a folder of certificates (src/cluster/certs):
+// Names in a folder of certificates (src/cluster/certs):
 //
 //   CERTS/ca.pem, CERTS/ca.key     the authority of a cluster, its key
-//   CERTS/NAME.pem, CERTS/NAME.key a node of it
+//   CERTS/NAME.pem, CERTS/NAME.key a node of the cluster, its key
 //
-// and in the folder of a cluster on one machine (src/front/apps/cluster.cc):
+// Names in the folder of a cluster on one machine (src/front/apps/cluster.cc):
 //
 //   DIR/cluster.json               its processes and ports
-//   DIR/token                      of its API, for its owner alone
+//   DIR/token                      the token of the cluster's API, readable by its owner alone
 //   DIR/certs/, DIR/data/          as above
-//   DIR/logs/NAME.log              what node NAME tells
+//   DIR/logs/NAME.log              the log of node NAME
 #pragma once
 
 #include <cstdint>
@@ -75,30 +76,31 @@
 namespace tessera {
 
 // Result folders.
-inline constexpr int newest_format = 4, oldest_format = 2;  // that is read
-// Of results that were never changed and have all their cells; of those that have versions or tiles kept as points.
+inline constexpr int newest_format = 4, oldest_format = 2;  // the formats that can be read
+// The format of results that were never changed and have all their cells, and of results with versions or tiles kept as
+// points.
 inline constexpr int unchanged_format = 3, changed_format = 4;
 std::filesystem::path manifest_file(const std::filesystem::path& out);
 std::filesystem::path master_file(const std::filesystem::path& out);
 std::filesystem::path tiles_folder(const std::filesystem::path& out);
-// As that version of the result wrote it; without a number in its name for 1.
+// The file of a tile that version `version` of the result wrote. For version 1 the name has no number of the version.
 std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, std::uint32_t version = 1,
                                 TileKind kind = TileKind::cells);
-// Of a file in a tiles folder that a version above 1 may have written; nothing for other names.
+// The version that wrote a file of a tiles folder, if the version is above 1. Nothing for other names.
 std::optional<std::uint32_t> version_of_tile_file(const std::filesystem::path& file);
-// By the ending of a tile's file; nothing for other endings.
+// The kind of a tile's file, by its ending. Nothing for other endings.
 std::optional<TileKind> kind_of_tile_file(const std::filesystem::path& file);
-// The manifests of older versions. Where a file cannot have two names they are copies, and nobody can tell who reads
-// that version.
+// The manifests of older versions. They are links to the manifest, or copies where a file cannot have two names. With
+// copies it cannot be known whether a process still reads that version.
 std::filesystem::path versions_folder(const std::filesystem::path& out);
 std::filesystem::path version_file(const std::filesystem::path& out, std::uint32_t version);
 std::filesystem::path version_copy(const std::filesystem::path& out, std::uint32_t version);
-// Of either; nothing for other names.
+// The version of a version_file() or version_copy(). Nothing for other names.
 std::optional<std::uint32_t> version_of_file(const std::filesystem::path& file);
-// What a writer of a version needs until it has written it.
+// What the writer of a version needs until the version is written.
 std::filesystem::path pass_folder(const std::filesystem::path& out);
 std::filesystem::path done_file(const std::filesystem::path& out, NodeId node);
-// What a node has written of a tile whose other cells are not known yet: a temporary name.
+// The cells that a node has written of a tile before the tile's other cells are known: a temporary name.
 std::filesystem::path early_file(const std::filesystem::path& out, TileId tile, NodeId node);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
 std::filesystem::path report_file(const std::filesystem::path& out);
@@ -118,28 +120,28 @@ std::filesystem::path routing_file(const std::filesystem::path& run);
 std::filesystem::path stretches_folder(const std::filesystem::path& run);
 std::filesystem::path stretch_file(const std::filesystem::path& run, std::uint32_t attempt);
 
-// What a tile puts on disk to take it back, as frames of this kind. Never renumber: a run may be resumed by a newer
-// program.
+// What a tile keeps in scratch files, as frames of this kind. Numbers must never change, because a newer program may
+// resume a run.
 enum class ScratchKind : std::uint32_t {
-  state = 1,       // the tile while it is not in memory
-  finals = 2,      // its final cells
-  mail = 3,        // points that came for it while it was not in memory
-  duplicates = 4,  // its duplicates
+  state = 1,       // the image of a tile that is not in memory
+  finals = 2,      // the tile's final cells
+  mail = 3,        // points that came for the tile while it was not in memory
+  duplicates = 4,  // the tile's duplicates
   settled = 5,     // the tile once nothing can change it
-  // And what many nodes that route tell each other, in files of their own.
+  // What nodes that route together tell each other, in files of their own.
   routing = 6,
   split = 7,
-  // What stages of a job over a result leave of a tile.
+  // What the stages of a job over a result keep of a tile.
   kept = 8,
 };
-// Of tiles.
+// The kinds that are files of a tile of a run.
 inline constexpr ScratchKind scratch_kinds[] = {ScratchKind::state, ScratchKind::finals, ScratchKind::mail,
                                                 ScratchKind::duplicates, ScratchKind::settled};
-// Where a stage of a run keeps what is its own: the run folder itself for the first one.
+// The folder in which a stage of a run keeps its files. For the first stage it is the run folder itself.
 std::filesystem::path stage_folder(const std::filesystem::path& run, std::uint32_t stage);
 std::filesystem::path scratch_folder(const std::filesystem::path& run, ScratchKind kind);
 std::filesystem::path scratch_file(const std::filesystem::path& run, ScratchKind kind, TileId tile);
-// Of all tiles of a node.
+// The settled tiles of a node.
 std::filesystem::path settled_file(const std::filesystem::path& run, NodeId node);
 std::filesystem::path settled_marker(const std::filesystem::path& run);
 std::filesystem::path terms_folder(const std::filesystem::path& run);
@@ -148,10 +150,10 @@ std::filesystem::path terms_folder(const std::filesystem::path& run);
 std::filesystem::path data_reserve_file(const std::filesystem::path& data);
 std::filesystem::path data_format_file(const std::filesystem::path& data);
 std::filesystem::path part_scratch_folder(const std::filesystem::path& scratch, std::uint64_t number);
-// Of what waits for another node.
+// The updates that wait for another node.
 std::filesystem::path gate_scratch_file(const std::filesystem::path& part, NodeId node);
 bool is_part_scratch_name(const std::filesystem::path& file);
-// How the process ends whose scratch it is, for the next one there.
+// How the last process with this scratch folder ended, for the next process.
 std::filesystem::path last_words_file(const std::filesystem::path& scratch);
 std::filesystem::path data_identity_file(const std::filesystem::path& data);
 std::filesystem::path node_scratch_folder(const std::filesystem::path& data, const std::string& node);
@@ -165,20 +167,21 @@ std::filesystem::path event_numbers_file(const std::filesystem::path& data);
 std::filesystem::path results_folder(const std::filesystem::path& data);
 std::filesystem::path exports_folder(const std::filesystem::path& out);
 std::filesystem::path tileset_of_result(const std::filesystem::path& out);
-// Where the processes of these names write when they are not told, and maps look.
+// Where the processes of these names write by default, and where maps look.
 std::filesystem::path dem_of_result(const std::filesystem::path& out);
 std::filesystem::path contours_of_result(const std::filesystem::path& out);
 std::filesystem::path surface_of_result(const std::filesystem::path& out);
 std::filesystem::path uploads_folder(const std::filesystem::path& data);
 std::filesystem::path answers_folder(const std::filesystem::path& data);
-// `ending`: with its point.
+// `ending` includes the point.
 std::filesystem::path answer_file(const std::filesystem::path& folder, const std::string& ending);
 std::filesystem::path asked_points_file(const std::filesystem::path& folder, const std::string& ending);
 std::filesystem::path tokens_file(const std::filesystem::path& data);
 std::filesystem::path part_file(const std::filesystem::path& final_name);
-// In `folder`, where it will be renamed to the final name.
+// A folder in `folder`, which is renamed to its final name when it is whole.
 std::filesystem::path unfinished_folder(const std::filesystem::path& folder, const std::string& job);
-// What is renamed to this is nobody's any more; `token`: no two have the same.
+// desk_folder() is the staging folder of daemon number `term`. A folder that was renamed to removed_folder() belongs to
+// no job any more; each needs another token.
 std::filesystem::path desk_folder(const std::filesystem::path& folder, std::uint64_t term);
 std::optional<std::uint64_t> term_of_desk(const std::filesystem::path& file);
 std::filesystem::path removed_folder(const std::filesystem::path& folder, const std::string& token);
@@ -202,31 +205,32 @@ std::filesystem::path local_data_folder(const std::filesystem::path& folder);
 std::filesystem::path local_logs_folder(const std::filesystem::path& folder);
 std::filesystem::path local_log_file(const std::filesystem::path& folder, const std::string& node);
 
-// What a file is called until it is whole. Of one name at a time, unless every process has its own, on any machine.
+// The name of a file until the file is whole. temporary_name() is for a file that one writer writes at a time.
+// temporary_name_of_process() is different for each process on every machine.
 std::filesystem::path temporary_name(const std::filesystem::path& final_name);
 std::filesystem::path temporary_name_of_process(const std::filesystem::path& final_name);
 
-// What finishing, storing and reporting leave directly under OUT or under its tiles folder, files on their way
-// included: what may be deleted with the result.
+// Whether a name directly under OUT, or under its tiles folder, is one that storing, finishing or reporting makes,
+// temporary names included. Such files may be deleted with the result.
 bool is_result_name(const std::filesystem::path& file);
 bool is_tile_name(const std::filesystem::path& file);
 bool is_settled_name(const std::filesystem::path& file);
-// What stands directly in a run folder.
+// Whether a name stands directly in a run folder.
 bool is_run_name(const std::filesystem::path& file);
-// The same that only an unfinished run needs.
+// Whether a file is one that only an unfinished run needs.
 bool is_done_name(const std::filesystem::path& file);
 bool is_temporary_name(const std::filesystem::path& file);
-// A lock of `out`, or one that is being made.
+// The lock of `out`, or a lock that is being made.
 bool is_lock_name(const std::filesystem::path& file);
-// Of any process.
+// A new_run_folder() of any process.
 bool is_new_run_name(const std::filesystem::path& file);
-// What stands directly in the folder of a job, files on their way included.
+// Whether a name stands directly in the folder of a job, temporary names included.
 bool is_job_name(const std::filesystem::path& file);
-// Nothing for any other name.
+// The token of a removed_folder(). Nothing for other names.
 std::optional<std::string> token_of_removed(const std::filesystem::path& file);
-// The node of a node_certificate_file(); empty for other names, the authority's too.
+// The node of a node_certificate_file(). Empty for other names, including the authority's.
 std::string node_of_certificate(const std::filesystem::path& file);
-// The job of an unfinished_folder(); empty for other names.
+// The job of an unfinished_folder(). Empty for other names.
 std::string job_of_unfinished(const std::filesystem::path& file);
 
 }  // namespace tessera

@@ -13,7 +13,7 @@ void raise_open_files_limit() {
   struct rlimit limit {};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
   limit.rlim_cur = limit.rlim_max;
-  ::setrlimit(RLIMIT_NOFILE, &limit);  // else it stays as it is, which is no error
+  ::setrlimit(RLIMIT_NOFILE, &limit);  // if this fails the limit stays as it was, which is no error
 }
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// How many files a process may have open at once.
+// The number of files that a process may have open at once.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 namespace tessera {
 
 std::uint64_t open_files_limit();
-// As many as the system ever lets it, from here on.
+// Raises the limit as far as the system allows.
 void raise_open_files_limit();
 
 }  // namespace tessera

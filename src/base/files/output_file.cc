@@ -29,7 +29,7 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path) {
   FileHandle file(::open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (file.get() < 0) {
     const int number = errno;
-    temporary.keep();  // not ours
+    temporary.keep();  // the file is not this process's
     return io_error(path, refused, number);
   }
   return OutputFile(path, std::move(temporary), std::move(file));

@@ -1,4 +1,4 @@
-// Buffered output to a file that is there whole or not at all.
+// Buffered output to a file that appears whole or not at all.
 #pragma once
 
 #include <cstddef>
@@ -15,16 +15,16 @@
 
 namespace tessera {
 
-// Bytes go to a temporary name of this process, which commit() syncs and renames; without commit() the destructor
-// removes it.
+// Bytes go to a temporary name of this process. commit() syncs the file and renames it. Without commit() the destructor
+// removes the file.
 class OutputFile {
  public:
   static Result<OutputFile> create(const std::filesystem::path& path);
 
-  // Errors io: a full disk, a quota, ...
+  // Error io: a full disk, a quota, ...; or the error of the thread's ledger.
   Status append(std::span<const std::byte> bytes);
   Status append(std::string_view text) { return append(std::as_bytes(std::span(text))); }
-  // Replaces bytes appended before: the header, once the counts are known.
+  // Replaces bytes that were appended before, such as a header once the counts are known.
   Status overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
   Status commit();
   const std::filesystem::path& path() const { return path_; }

@@ -1,4 +1,4 @@
-// What a pass over a result puts down in its scratch folder (src/result/pass.h).
+// Names of what a pass over a result writes to its scratch folder (src/result/pass.h).
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// Of a tile: its values, and what others have sent it.
+// The values of a tile, and what other tiles have sent to it.
 std::filesystem::path pass_values_file(const std::filesystem::path& scratch, TileId tile);
 std::filesystem::path pass_sent_file(const std::filesystem::path& scratch, TileId tile);
 

@@ -9,7 +9,7 @@ std::uint64_t process_start(std::int64_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   std::string text;
   std::getline(file, text, '\0');
-  // The second field is the program's name in brackets, which may hold anything; the start is the 22nd.
+  // The second field is the program's name in brackets, which may contain anything. The start is the 22nd field.
   const auto name_end = text.rfind(')');
   if (name_end == std::string::npos) return 0;
   std::size_t at = name_end + 1;

@@ -1,4 +1,4 @@
-// Which process a number means: the system gives the numbers of those that have ended to others.
+// Which process a number means. The system gives the number of a process that has ended to another process.
 #pragma once
 
 #include <cstdint>
@@ -6,9 +6,9 @@
 
 namespace tessera {
 
-// When it began, in clock ticks since the boot. 0 when there is no such process, or the system does not tell.
+// When a process began, in clock ticks since the boot. 0 when there is no such process, or the system does not tell.
 std::uint64_t process_start(std::int64_t process);
-// Of the kernel, unlike any other's. Empty when the system does not tell.
+// The id of the kernel's boot, unlike any other. Empty when the system does not tell.
 std::string boot_id();
 
 }  // namespace tessera

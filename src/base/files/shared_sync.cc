@@ -9,7 +9,7 @@ Status SharedSync::sync() {
   const auto batch = next_;
   changed_.wait(lock, [&] { return batch->done || !syncing_; });
   if (batch->done) return batch->status;
-  // Made first: with an exception between, nobody would end what was begun.
+  // Made first: an exception after `syncing_ = true` would leave all waiting for ever.
   next_ = std::make_shared<Batch>();
   syncing_ = true;
   lock.unlock();

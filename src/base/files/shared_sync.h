@@ -1,4 +1,4 @@
-// One folder that many threads put new names into: those that wait at the same time share one sync.
+// Syncs a folder into which many threads put new names. Threads that wait at the same time share one sync.
 #pragma once
 
 #include <condition_variable>
@@ -10,11 +10,12 @@
 
 namespace tessera {
 
+// Thread-safe.
 class SharedSync {
  public:
   explicit SharedSync(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  // The names that were in the folder before the call are there for good when this returns without error.
+  // When this returns without error, the names that were in the folder before the call survive a power cut.
   Status sync();
 
  private:
@@ -26,8 +27,8 @@ class SharedSync {
   const std::filesystem::path folder_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::shared_ptr<Batch> next_ = std::make_shared<Batch>();  // whoever comes now is in this one
-  bool syncing_ = false;                                     // the batch before
+  std::shared_ptr<Batch> next_ = std::make_shared<Batch>();  // the batch that a new caller joins
+  bool syncing_ = false;                                     // whether the batch before next_ is being synced
 };
 
 }  // namespace tessera

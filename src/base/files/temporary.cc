@@ -40,14 +40,14 @@ Result<TemporaryFolder> TemporaryFolder::make() {
 }
 
 Result<TemporaryFolder> TemporaryFolder::make(const fs::path& path) {
-  TemporaryFolder folder(path);  // before it is there: this needs memory
+  TemporaryFolder folder(path);  // made before the folder, because this needs memory
   std::error_code failed;
   if (fs::create_directory(path, failed)) return folder;
   folder.keep();
   return io_error(path, "cannot make the folder", failed ? failed.value() : EEXIST);
 }
 
-// What fails here nobody waits for, and a destructor cannot tell.
+// Errors are ignored: no code waits for them, and a destructor cannot report them.
 TemporaryFolder::~TemporaryFolder() {
   if (!path_.empty() && process_ == ::getpid()) remove_tree(path_);
 }

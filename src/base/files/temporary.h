@@ -1,5 +1,5 @@
-// Files and folders that are gone when their owner is. A forked child has copies of their owners: what goes with those
-// stays, for the parent still has it.
+// Files and folders that are removed with their owner objects. A forked child has copies of these objects. Destroying
+// the copies removes nothing, because the parent still needs the files.
 #pragma once
 
 #include <sys/types.h>
@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-// Removes the file of this name when it goes, unless the file was kept. Makes none.
+// Removes the file `path` when destroyed, unless keep() was called. Does not make the file.
 class TemporaryFile {
  public:
   explicit TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {}
@@ -27,15 +27,15 @@ class TemporaryFile {
   pid_t process_ = ::getpid();
 };
 
-// Where temporary files go: the folder that was wished for, or when that is empty the system's. Error io.
+// The folder for temporary files: `wished`, or the system's when `wished` is empty. Error io.
 Result<std::filesystem::path> folder_for_temporary(std::filesystem::path wished = {});
 
-// A folder, removed with all that is in it.
+// A folder that is removed with everything in it, unless keep() was called.
 class TemporaryFolder {
  public:
-  // With a new name under std::filesystem::temp_directory_path(). Error io.
+  // Makes a folder with a new name in the system's folder for temporary files. Error io.
   static Result<TemporaryFolder> make();
-  // Of this name. Error io, also when it exists.
+  // Makes the folder `path`. Error io, also when it exists.
   static Result<TemporaryFolder> make(const std::filesystem::path& path);
   TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})), process_(other.process_) {}
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;

@@ -43,7 +43,7 @@ namespace {
 
 Status sync_path(const fs::path& path, int flags) {
   BOOST_OUTCOME_TRY(file, open_handle(path, flags));
-  // Some file systems cannot sync a folder and say EINVAL; the rename is then as durable as they make it.
+  // Some file systems cannot sync a folder and return EINVAL. The renaming is then as durable as they make it.
   if (::fsync(file.get()) != 0 && !(errno == EINVAL && (flags & O_DIRECTORY) != 0))
     return io_error(path, "cannot write", errno);
   if (!file.close()) return io_error(path, "cannot write", errno);
@@ -109,7 +109,7 @@ Status write_whole(const fs::path& final_name, std::span<const std::byte> bytes)
 }
 
 Status write_private(const fs::path& final_name, std::span<const std::byte> bytes) {
-  // What is left of a process that was killed may be open elsewhere, or have other rights.
+  // A file that is left of a killed process may be open elsewhere, or have other rights.
   BOOST_OUTCOME_TRYV(remove_file(temporary_name(final_name)));
   return write_whole(final_name, bytes, O_EXCL, S_IRUSR | S_IWUSR);
 }

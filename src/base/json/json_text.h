@@ -1,4 +1,5 @@
-// JSON values to text and back, compiled once: nlohmann's writer and parser are templates that take a second a source.
+// JSON values to text and back. nlohmann's templates take a second for each source file that includes them, so they are
+// compiled once here.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,11 +8,12 @@
 
 namespace tessera {
 
-// `indent` below 0: all on one line. Bytes that are not UTF-8 become U+FFFD.
+// Returns the JSON text of a value; with `indent` below 0 on one line. Bytes that are not UTF-8 become U+FFFD.
 std::string json_text(const nlohmann::json& value, int indent = -1);
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
 
-// Of text that is no JSON, a value for which is_discarded() holds. Text of strangers: nested_too_deep() comes first.
+// Parses JSON. The result of a text that is not JSON has is_discarded(). Call nested_too_deep() first for foreign
+// texts.
 nlohmann::json parse_json(std::string_view text);
 nlohmann::ordered_json parse_ordered_json(std::string_view text);
 

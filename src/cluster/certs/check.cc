@@ -21,14 +21,15 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::system_clock;
 
-// What TLS asks for on Debian: keys of 112 bits, that is RSA from 2048 and EC from 224, and digests after SHA-1.
+// What TLS requires on Debian: a strength of 112 bits, that is RSA keys from 2048 and EC keys from 224 bits, and no
+// SHA-1.
 constexpr int security_level = 2;
 
 struct StackFree {
   void operator()(STACK_OF(X509) * stack) const { sk_X509_free(stack); }
 };
 using Store = std::unique_ptr<X509_STORE, OpensslFree<X509_STORE_free>>;
-using Between = std::unique_ptr<STACK_OF(X509), StackFree>;  // not the owner of what is in it
+using Between = std::unique_ptr<STACK_OF(X509), StackFree>;  // does not own the certificates in it
 using Verification = std::unique_ptr<X509_STORE_CTX, OpensslFree<X509_STORE_CTX_free>>;
 
 Result<Store> trusted(const std::vector<Certificate>& authorities) {
@@ -55,7 +56,7 @@ Status refusal(X509_STORE_CTX& verification, const fs::path& authority, const fs
       const X509& wrong = *X509_STORE_CTX_get_current_cert(&verification);
       const bool own = X509_STORE_CTX_get_error_depth(&verification) == 0;
       BOOST_OUTCOME_TRYV(check_valid_at(system_clock::now(), wrong, own ? certificate : authority));
-      break;  // it has become valid meanwhile; said below
+      break;  // it has become valid meanwhile; the text below says what OpenSSL found
     }
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
@@ -123,7 +124,7 @@ Result<NodeCertificate> node_certificate_in(const fs::path& folder) {
     return error(Errc::usage, folder.string() + ": holds no certificate of a node, " +
                                   node_certificate_file("", "NAME").string() + " and " +
                                   node_key_file("", "NAME").string());
-  // What was copied with a chain or an old certificate has no key beside it.
+  // A certificate that was copied with a chain, or an old one, has no key beside it.
   std::vector<std::string> whole;
   for (const auto& node : nodes) {
     BOOST_OUTCOME_TRY(with_key, is_there(node_key_file(folder, node)));

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using std::chrono::system_clock;
 
 constexpr int authority_days = 3650, node_days = 730, days_max = 36500;
-constexpr int serial_bits = 128;  // random: nobody counts, and nobody can guess what will be signed
+constexpr int serial_bits = 128;  // random: no counter is kept, and no one can guess what will be signed next
 constexpr std::chrono::hours clocks_differ{1};
 constexpr const char* group = "P-256";
 
@@ -35,7 +35,7 @@ struct Extension {
 };
 
 bool can_be_name(std::string_view text) {
-  constexpr std::size_t length_max = 64;  // of a common name (RFC 5280)
+  constexpr std::size_t length_max = 64;  // length of a common name (RFC 5280)
   constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
   return !text.empty() && text.size() <= length_max && letters.find(text.front()) != std::string_view::npos &&
          std::all_of(text.begin(), text.end(), [&](char c) {
@@ -54,7 +54,7 @@ Result<int> days_of(const CertificateOptions& options, int normal) {
   return days;
 }
 
-// What it is not yet: a subject, an issuer, signed.
+// Makes a certificate that has no subject, issuer and signature yet.
 Result<Certificate> blank_certificate(EVP_PKEY& key, system_clock::time_point from, system_clock::time_point until) {
   using Number = std::unique_ptr<BIGNUM, OpensslFree<BN_free>>;
   Certificate made(X509_new());
@@ -77,7 +77,7 @@ bool add_name(X509& certificate, const char* field, const std::string& value) {
                                     static_cast<int>(value.size()), -1, 0) == 1;
 }
 
-// `issuer` may be `made` itself.
+// Sets the issuer, adds the extensions and signs `made`. `issuer` may be `made` itself.
 Status sign(X509& made, X509& issuer, EVP_PKEY& issuer_key, std::initializer_list<Extension> extensions) {
   if (X509_set_issuer_name(&made, X509_get_subject_name(&issuer)) != 1) return openssl_error("cannot name the issuer");
   X509V3_CTX context;
@@ -99,7 +99,7 @@ Result<PrivateKey> make_key() {
   return key;
 }
 
-// Readable by nobody else when it is made.
+// Makes the folder, readable for its owner alone. Error usage when it is there and others can write to it.
 Status make_folder(const fs::path& folder) {
   const fs::path above = (folder.has_filename() ? folder : folder.parent_path()).parent_path();
   if (!above.empty()) {
@@ -114,7 +114,7 @@ Status make_folder(const fs::path& folder) {
   return success();
 }
 
-// The key first: a certificate alone would be of no use, and both are refused when either is there.
+// The key comes first, because a certificate alone is of no use. check_new() refuses when either file is there.
 Status write_both(const fs::path& certificate_file, const X509& certificate, const fs::path& key_file,
                   const EVP_PKEY& key) {
   BOOST_OUTCOME_TRYV(write_key(key_file, key));
@@ -138,7 +138,7 @@ struct Authority {
   PrivateKey key;
 };
 
-// Of the certificates in the file, the one whose key is there.
+// Returns the authority: of the certificates in the file, the one to which the key belongs.
 Result<Authority> read_authority(const fs::path& folder, system_clock::time_point now) {
   const fs::path file = authority_file(folder), key_file = authority_key_file(folder);
   BOOST_OUTCOME_TRY(there, is_there(file));
@@ -182,7 +182,7 @@ Status make_authority(const fs::path& folder, const CertificateOptions& options)
   BOOST_OUTCOME_TRYV(check_new({file, key_file}, "with another authority, the nodes of this one would be strangers"));
   BOOST_OUTCOME_TRY(key, make_key());
   BOOST_OUTCOME_TRY(made, blank_certificate(*key, options.now - clocks_differ, options.now + std::chrono::days(days)));
-  // Of two parts, so that no node, which has one, is called the same.
+  // The authority's name has two parts and a node's has one, so no node has the same name.
   if (!add_name(*made, "O", "Tessera cluster") || !add_name(*made, "CN", options.cluster))
     return openssl_error("cannot name the authority");
   BOOST_OUTCOME_TRYV(sign(*made, *made, *key,

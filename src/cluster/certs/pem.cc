@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using std::chrono::system_clock;
 using Bio = std::unique_ptr<BIO, OpensslFree<BIO_free_all>>;
 
-// The bytes of a file, wiped when they go: they may be a key.
+// The bytes of a file, which may be a key. They are wiped when the object is destroyed.
 class FileBytes {
  public:
   static Result<FileBytes> read(const fs::path& file) {
@@ -39,7 +39,7 @@ class FileBytes {
   FileBytes& operator=(FileBytes&&) = delete;
   ~FileBytes() { OPENSSL_cleanse(bytes_.data(), bytes_.size()); }
   Result<Bio> bio() const {
-    // Not null, as the data of an empty vector is.
+    // OpenSSL refuses a null pointer, which is the data of an empty vector.
     const void* begin = bytes_.empty() ? static_cast<const void*>("") : bytes_.data();
     Bio bio(BIO_new_mem_buf(begin, static_cast<int>(bytes_.size())));
     if (!bio) return openssl_error("cannot read what is in memory");
@@ -51,7 +51,7 @@ class FileBytes {
   std::vector<std::byte> bytes_;
 };
 
-// In place of OpenSSL's own, which asks at the terminal.
+// Replaces OpenSSL's own callback, which asks at the terminal.
 int no_passphrase(char*, int, int, void*) { return -1; }
 
 std::span<const std::byte> content(const Bio& bio) {
@@ -96,7 +96,7 @@ Status write_certificate(const fs::path& file, const X509& certificate) {
 }
 
 Status write_key(const fs::path& file, const EVP_PKEY& key) {
-  const Bio bio(BIO_new(BIO_s_secmem()));  // wiped when it goes
+  const Bio bio(BIO_new(BIO_s_secmem()));  // memory that is wiped when it is freed
   if (!bio || PEM_write_bio_PKCS8PrivateKey(bio.get(), &key, nullptr, nullptr, 0, no_passphrase, nullptr) != 1)
     return openssl_error("cannot encode a key");
   return write_private(file, content(bio));
@@ -104,7 +104,7 @@ Status write_key(const fs::path& file, const EVP_PKEY& key) {
 
 system_clock::time_point time_of(const ASN1_TIME* time) {
   std::tm parts{};
-  // RFC 5280 has 9999-12-31 for "never"; a clock of nanoseconds ends in 2262.
+  // RFC 5280 uses 9999-12-31 for "never". The system's clock counts nanoseconds, and ends in 2262.
   constexpr auto last = std::chrono::duration_cast<std::chrono::seconds>(system_clock::duration::max()).count();
   if (ASN1_TIME_to_tm(time, &parts) != 1) return system_clock::time_point::min();
   return system_clock::time_point(std::chrono::seconds(std::min<std::int64_t>(::timegm(&parts), last)));

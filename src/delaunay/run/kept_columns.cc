@@ -15,7 +15,8 @@ namespace tessera {
 KeptColumns::KeptColumns(PointsTile& tile, const std::vector<ResultColumn>& columns) {
   const auto of_vertices = std::count_if(columns.begin(), columns.end(), [](const auto& c) { return !c.of_cells; });
   const std::size_t stride = row_bytes(tile.schema), n = tile.ids.size();
-  tile.schema.resize(tile.schema.size() - static_cast<std::size_t>(of_vertices));  // the last ones
+  // columns of vertices are the last attributes
+  tile.schema.resize(tile.schema.size() - static_cast<std::size_t>(of_vertices));
   const std::size_t width = row_bytes(tile.schema);
   const auto foreign = by_id(std::span(tile.ids).subspan(tile.own));
   std::size_t offset = width, of_cells = 0;

@@ -1,4 +1,4 @@
-// Columns of a tile that is kept as points, on their way into its file of cells.
+// Moves the columns of a tile that is kept as points into its file of cells.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,22 @@
 
 namespace tessera {
 
+// The columns of one tile. Immutable once it is made.
 class KeptColumns {
  public:
-  // Takes them out of the tile, which then is as it was before any of them came. `columns`: all of the result.
-  // REQUIRES: the tile has them, and its rows.
+  // Takes the columns out of the tile, which then is as it was before the first column was added. `columns`: all
+  // columns of the result. REQUIRES: the tile has these columns, and its rows were read.
   KeptColumns(PointsTile& tile, const std::vector<ResultColumn>& columns);
 
-  // Puts them into the tile's file, as one change of the result after the other would have put them. `entry`: of the
-  // file; then of what it has become. Error io; Stopped is thrown.
+  // Adds the columns to the tile's file, with the same bytes as if each had been added by a change of the result.
+  // `entry`: of the file; is updated. Error io. Throws Stopped.
   Status put_into(const std::filesystem::path& file, TileEntry& entry, const std::stop_token& stop) const;
 
  private:
   struct Values {
     bool of_cells = false;
     Attribute as;
-    std::vector<std::byte> values;  // by cell in canonical order, or by vertex as a mesh has them
+    std::vector<std::byte> values;  // by cell in canonical order, or by vertex in the order of a mesh
   };
   std::vector<Values> columns_;
 };

@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of the one tile that it is given.
+// The points of the one tile that it is given.
 class PointsOfResult final : public TilePoints {
  public:
   explicit PointsOfResult(PointsTile tile) : tile_(std::move(tile)) {}
@@ -53,7 +53,7 @@ class PointsOfResult final : public TilePoints {
     return loaded;
   }
 
-  // What the tile's file has of foreign vertices is what its cells need.
+  // The tile's file has the foreign vertices that its cells need.
   Result<std::vector<std::byte>> rows(TileId tile, std::span<const PointId> ids,
                                       std::span<const TileId> owners) const override {
     const std::size_t width = row_bytes(tile_.schema);
@@ -62,7 +62,7 @@ class PointsOfResult final : public TilePoints {
     std::map<PointId, std::size_t> foreign;
     for (std::size_t i = tile_.own; i < tile_.ids.size(); ++i) foreign[tile_.ids[i]] = i;
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      std::size_t from = i;  // own ones stand where they stood
+      std::size_t from = i;  // own vertices stay where they are
       if (owners[i] != tile) {
         const auto found = foreign.find(ids[i]);
         if (found == foreign.end()) return error(Errc::internal, "a vertex of a tile's cells is none of its points");
@@ -86,7 +86,7 @@ class PointsOfResult final : public TilePoints {
   PointsTile tile_;
 };
 
-// Tiles of a result, each made as a job makes it that goes on from what was settled.
+// Makes tiles of a result, each as a job makes it that continues from settled tiles.
 class Maker {
  public:
   Maker(TileSource source, fs::path out, std::stop_token stop)
@@ -110,7 +110,7 @@ class Maker {
     return success();
   }
 
-  // Its file is OUT/tiles/NNNNNN.vtu.
+  // The file is OUT/tiles/NNNNNN.vtu.
   Result<TileEntry> make(std::size_t index) {
     const TileEntry& kept = source_.entry(index);
     BOOST_OUTCOME_TRYV(source_.check(index));
@@ -164,7 +164,8 @@ std::vector<std::size_t> wanted_tiles(const TileSource& source, const std::optio
   return wanted;
 }
 
-// Of their files, about. With columns, each of the threads has a file without them for a while.
+// Returns about how many bytes the tiles' files take. With columns, each thread also has a file without them for a
+// while.
 std::uint64_t file_bytes(const TileSource& source, const std::vector<std::size_t>& tiles, unsigned threads) {
   const Manifest& manifest = source.manifest();
   const std::uint64_t cell =
@@ -180,7 +181,7 @@ std::uint64_t file_bytes(const TileSource& source, const std::vector<std::size_t
   return manifest.columns.empty() ? bytes : bytes + threads * largest;
 }
 
-// `take`: called by several threads, for each of them once.
+// `take`: is called by several threads, once for each tile.
 Status make_tiles(const TileSource& source, const std::vector<std::size_t>& wanted, const fs::path& out,
                   const MaterialiseOptions& options, const std::stop_token& stop,
                   const std::function<Status(std::size_t, const TileEntry&)>& take) {
@@ -190,7 +191,7 @@ Status make_tiles(const TileSource& source, const std::vector<std::size_t>& want
   BOOST_OUTCOME_TRYV(maker.begin());
   TileQueue queue(source, wanted, stop, options.progress);
   std::atomic<bool> failed{false};
-  // Beside the mesh a kernel and the file's arrays.
+  // A tile needs memory for a kernel and the file's arrays beside its mesh.
   const unsigned threads = queue.threads(options.threads, options.memory_bytes, 1.5, 0);
   try {
     return on_threads(threads, failed, [&]() -> Status {
@@ -229,7 +230,7 @@ Result<Materialised> in_place(const fs::path& result, const MaterialiseOptions& 
   return made;
 }
 
-// Where nobody can have two names for a file, a copy.
+// Makes a hard link, or a copy where the file system has no hard links.
 Status copy_tile(const fs::path& from, const fs::path& to) {
   if (::link(from.c_str(), to.c_str()) == 0) return success();
   BOOST_OUTCOME_TRY(bytes, read_whole(from));
@@ -245,7 +246,7 @@ Result<Materialised> into_folder(const fs::path& result, const MaterialiseOption
   BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(options.to)));
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));
   Manifest manifest = source.manifest();
-  manifest.previous_master_xxh3.reset();  // there is none that could stand here
+  manifest.previous_master_xxh3.reset();  // a new folder has no previous master file
   if (manifest.columns.empty()) manifest.version = 1;
   const auto wanted = wanted_tiles(source, options.box);
   made.tiles = wanted.size();

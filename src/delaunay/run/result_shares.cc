@@ -15,14 +15,14 @@ namespace tessera {
 
 namespace {
 
-// Of the memory, for tiles that nobody works on: as much is for those that are worked on, the rest for their mail.
+// Returns the memory for tiles that no thread works on. As much is for tiles that are worked on, and the rest for mail.
 constexpr std::uint64_t kept_part(std::uint64_t memory_bytes) { return memory_bytes / 8 * 3; }
 
 struct ResultShare final : Share {
   ~ResultShare() override {
     stopping.request_stop();
-    stages.clear();                                    // programs before what they use
-    if (!scratch.empty()) (void)remove_tree(scratch);  // what stays goes when the node begins anew
+    stages.clear();                                    // programs go before what they use
+    if (!scratch.empty()) (void)remove_tree(scratch);  // what cannot be removed goes when the node starts anew
   }
   std::shared_ptr<const void> keeper;  // goes last
   std::vector<std::byte> plan;
@@ -91,7 +91,7 @@ Result<std::unique_ptr<Share>> ResultShares::open(const ShareSpec& spec, NodeId 
   if (many_nodes) {
     BOOST_OUTCOME_TRY(scratch, new_part_folder(scratch_));
     part->scratch = std::move(scratch);
-    std::uint64_t peers = 4;  // and some that may come
+    std::uint64_t peers = 4;  // and some nodes that may join
     for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
     part->outboxes = outboxes_within(budget::gate_bytes(spec.memory_bytes), peers);
   }
@@ -113,7 +113,7 @@ Result<std::unique_ptr<Share>> ResultShares::open(const ShareSpec& spec, NodeId 
     one.context.storage = &storage;
     one.context.programs = std::move(programs.at(stage));
     if (many_nodes) one.sync_settled = [&storage] { return storage.sync_settled(); };
-    // Mail of an earlier process was for tiles that are no more.
+    // Mail of an earlier process was for tiles that no longer exist.
     BOOST_OUTCOME_TRYV(storage.clear(ScratchKind::mail));
     part->stages.push_back(one);
   }

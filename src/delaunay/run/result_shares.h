@@ -1,4 +1,4 @@
-// Parts of jobs over the tiles of results (result_stages.h): what nodes of production host of them.
+// Opens a node's shares of jobs over the tiles of results (result_stages.h), in production.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,16 @@
 
 namespace tessera {
 
+// A source of shares of jobs over results. Thread-safe.
 class ResultShares final : public ShareSource {
  public:
-  // `scratch`: as of RoutedShares.
+  // `scratch`: as in RoutedShares.
   ResultShares(std::filesystem::path scratch, KindsOfStages kinds)
       : scratch_(std::move(scratch)), kinds_(std::move(kinds)) {}
   const KindsOfStages& kinds() const { return kinds_; }
   // Error internal when there is no such kind.
   Result<std::shared_ptr<const ResultStages>> kind(const std::string& name) const;
-  // Each part of the run holds on to `keeper` as long as it is there. Until withdraw().
+  // Each share of the run keeps `keeper` alive. Valid until withdraw().
   void offer(const std::filesystem::path& run, std::shared_ptr<const void> keeper);
   void withdraw(const std::filesystem::path& run) noexcept;
 

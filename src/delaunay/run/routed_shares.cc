@@ -23,7 +23,7 @@
 
 namespace tessera {
 struct RoutedShares::DiskShare final : Share {
-  // `scratch`: none, or a folder that goes with the part.
+  // `scratch_folder`: empty, or a folder that is removed with the share.
   DiskShare(std::shared_ptr<const RoutedCloud> routed, std::filesystem::path scratch_folder,
             const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, TileConsumer* taker,
             std::uint64_t pool_bytes)
@@ -36,7 +36,7 @@ struct RoutedShares::DiskShare final : Share {
   }
   ~DiskShare() override {
     stopping.request_stop();
-    if (!scratch.empty()) (void)remove_tree(scratch);  // what stays goes when the node begins anew
+    if (!scratch.empty()) (void)remove_tree(scratch);  // what cannot be removed goes when the node starts anew
   }
   static StoreOptions with(StoreOptions store, std::stop_token stop) {
     store.stop = std::move(stop);
@@ -50,7 +50,7 @@ struct RoutedShares::DiskShare final : Share {
 
 namespace {
 
-// Something of the run, which lives as long.
+// Returns a pointer to a part of the run that keeps the run alive.
 template <class Of>
 std::shared_ptr<const Of> shared(const std::shared_ptr<const RoutedCloud>& run, const Of& of) {
   return {run, &of};
@@ -153,10 +153,11 @@ Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId 
   const bool many_nodes = spec.shares > 0;
   BOOST_OUTCOME_TRY(scratch, many_nodes ? new_part_folder(scratch_) : std::filesystem::path());
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
-  // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
+  // allocator belongs to the process: once a job has asked for this, it stays so for all jobs, and costs them page
+  // faults.
   if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
-  // So do all arrays of the kernels but a few, which take turns: pages from the system cost as much as the work in
-  // them.
+  // The kernels' arrays go back to the system, too, except for a small pool in which a few of them take turns: fresh
+  // pages from the system cost as much time as the work in them.
   const std::uint64_t pool_bytes = reduce ? spec.memory_bytes / 16 : spec.memory_bytes / 4;
   auto part = std::make_unique<DiskShare>(run, std::move(scratch), spec.out_folder,
                                           StoreOptions{.neighbors = how.neighbors,
@@ -172,7 +173,7 @@ Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId 
                               (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0) + (reduce ? pool_bytes : 0));
   TileContext& context = only.context;
   if (many_nodes) {
-    std::uint64_t peers = 4;  // and some that may come
+    std::uint64_t peers = 4;  // and some nodes that may join
     for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
     part->outboxes = outboxes_within(budget::gate_bytes(spec.memory_bytes), peers);
   }
@@ -191,7 +192,7 @@ Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId 
       parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
   part->weights = shared(run, run->tile_points);
   part->stages.push_back(std::move(only));
-  // Mail of an earlier process was for tiles that are no more.
+  // Mail of an earlier process was for tiles that no longer exist.
   BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
   const auto here = [&](TileId tile) { return tile.value < points.size() && points[tile.value] > 0; };
   BOOST_OUTCOME_TRY(stored, receipts_of(spec.out_folder, here));

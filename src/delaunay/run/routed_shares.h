@@ -1,4 +1,4 @@
-// Parts of jobs whose points stand in run folders: what nodes of production host.
+// Opens a node's shares of jobs whose points are in run folders, in production.
 #pragma once
 
 #include <filesystem>
@@ -16,13 +16,14 @@
 
 namespace tessera {
 
+// A source of shares of triangulation jobs. Thread-safe.
 class RoutedShares final : public ShareSource {
  public:
-  // `scratch`: where parts of a cluster's jobs put tiles that are not in memory, each in a folder of its own; none:
-  // such parts are refused.
+  // `scratch`: the folder for tiles of cluster jobs that are not in memory; each share gets a folder of its own in it.
+  // Empty: shares of cluster jobs are refused.
   explicit RoutedShares(std::filesystem::path scratch = {}) : scratch_(std::move(scratch)) {}
-  // A run that this process has in memory need not be read again. `taker`: gets its tiles' cells, which are not stored
-  // then; or null. Until withdraw().
+  // Offers a run that this process has in memory, so that it need not be read again. `taker`: gets the tiles' cells,
+  // which are then not stored; or null. Valid until withdraw().
   void offer(std::shared_ptr<const RoutedCloud> run, TileConsumer* taker);
   void withdraw(const RoutedCloud& run) noexcept;
 
@@ -40,7 +41,7 @@ class RoutedShares final : public ShareSource {
   std::map<std::string, Offer> offered_;  // by folder
 };
 
-// What a run has stored, of the tiles that are wanted.
+// Returns the receipts of what a run has stored in `out`, of the tiles that are wanted.
 Result<std::vector<TileReceipt>> receipts_of(const std::filesystem::path& out,
                                              const std::function<bool(TileId)>& wanted);
 

@@ -14,7 +14,7 @@ namespace {
 
 using Of = InputSplit::Range::Of;
 
-// Paths as every node understands them.
+// Returns the path as every node understands it.
 std::string absolute_path(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::absolute(path, ignored).string();

@@ -1,4 +1,4 @@
-// How a routed cloud is worked on.
+// Options of a job: how a routed cloud is worked on.
 #pragma once
 
 #include <array>
@@ -15,10 +15,12 @@ namespace tessera {
 
 class TileConsumer;  // src/result/store/tile_taker.h
 
-// Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest.
+// Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest. by_budget: whole
+// if all tiles fit.
 enum class TileRetention : std::uint8_t { by_budget, whole, reduced };
 
-// What is stored of tiles: cells, or points that they follow from. By size: points of clouds of more than so many.
+// What is stored of tiles: cells, or the points that they follow from. by_size: points if the cloud has more than
+// most_points_with_cells points.
 enum class StoreAs : std::uint8_t { by_size, cells, points };
 inline constexpr std::array<std::string_view, 3> store_as_names{"auto", "cells", "points"};
 inline std::string_view name_of(StoreAs store) { return store_as_names[static_cast<std::size_t>(store)]; }
@@ -34,16 +36,16 @@ struct RunOptions {
   KernelKind kernel = KernelKind::flat;
   TileRetention keep = TileRetention::by_budget;
   StoreAs store = StoreAs::by_size;
-  bool neighbors = true;  // store them
-  bool resumable = true;  // as in ShareOptions, and below
+  bool neighbors = true;  // whether they are stored
+  bool resumable = true;  // this and the next two are as in ShareOptions
   std::uint32_t grace_s = 0;
   std::string lock_file = {};
-  TileConsumer* taker = nullptr;  // on one node alone: gets the tiles' cells, which are not stored then
+  TileConsumer* taker = nullptr;  // on one node alone: gets the tiles' cells, which are then not stored
 
   friend bool operator==(const RunOptions&, const RunOptions&) = default;
 };
 
-// What the programs of a job must know beside that (ShareSpec::programs).
+// What the programs of a job must know besides the points (ShareSpec::programs).
 struct DelaunayOptions {
   KernelKind kernel = KernelKind::flat;
   TileRetention keep = TileRetention::by_budget;
@@ -54,7 +56,7 @@ struct DelaunayOptions {
 std::string to_bytes(const DelaunayOptions& options);
 Result<DelaunayOptions> delaunay_options_from_bytes(const std::string& bytes);
 
-// A job on one node.
+// Returns the specification of a job on one node.
 ShareSpec spec_of(const RunOptions& options, std::string run_folder, std::string out_folder);
 
 }  // namespace tessera

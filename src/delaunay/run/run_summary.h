@@ -1,4 +1,4 @@
-// What running the tiles of a job has made.
+// What the run of a job's tiles has made.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace tessera {
 
 struct RunSummary {
   std::vector<TileEntry> tiles;      // ascending
-  std::vector<double> tile_seconds;  // beside them: worked on each
+  std::vector<double> tile_seconds;  // beside tiles: time that threads worked on each
   std::uint64_t vertices = 0, cells = 0;
   ExchangeFigures exchange;
-  std::uint64_t memory_bytes = 0;  // that all nodes which had a part gave the job
+  std::uint64_t memory_bytes = 0;  // what all nodes with a share gave to the job
   StepSeconds wall;                // wall clock
 };
 

@@ -1,4 +1,5 @@
-// Which stages of a run are settled: all tiles were quiet in them, and have left what each needs to come to its end.
+// Which stages of a run are settled: all tiles were quiet, and each has left what it needs to finish without the
+// others.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +9,11 @@
 
 namespace tessera {
 
-// How many stages of a run are settled, of so many: the first of those that are not goes on, or begins. Error io.
+// Returns how many of the `stages` stages of a run are settled. The next stage is the one that continues or begins.
+// Error io.
 Result<std::uint32_t> settled_stages(const std::filesystem::path& run, std::uint32_t stages);
-// Writes down that all tiles were quiet in a stage and are independent of each other now; or that they are not, and
-// then what made them so goes. `lock_file` as in ShareOptions.
+// Writes down that a stage is settled. With `settled` false, removes that mark, and what the tiles left when they
+// settled. `lock_file` as in ShareOptions.
 Status mark_settled(const std::filesystem::path& run, std::uint32_t stage, const std::filesystem::path& lock_file,
                     bool settled);
 

@@ -13,7 +13,7 @@ namespace tessera {
 
 namespace {
 
-// A node with less is done without from the start: it would fail with its first tiles.
+// A node with less free space is not used: it would fail with its first tiles.
 constexpr std::uint64_t scratch_free_min = std::uint64_t{4} << 20;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What parts of all kinds of jobs have in common on disk.
+// What the shares of all kinds of jobs have in common on disk.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +8,12 @@
 
 namespace tessera {
 
-// A new folder for a part of a cluster's job, under a node's scratch folder. Errors: usage when the node has none; io
-// when it has next to no room.
+// Makes a new folder for a share of a cluster's job, under a node's scratch folder. Errors: usage when the node has no
+// scratch folder; io when almost no space is free.
 Result<std::filesystem::path> new_part_folder(const std::filesystem::path& scratch);
 
-// Whether each tile here that has not come to the end of the part's stage can do so by itself, from what it left when
-// all was quiet. `run`: of the job.
+// Whether every tile that is `here`, and has not finished the share's stage, can finish by itself from what it left
+// when all was quiet. `run`: the run folder of the job.
 Result<bool> is_settled(const std::filesystem::path& run, const Share& part, std::uint32_t tiles,
                         const std::function<bool(TileId)>& here);
 

@@ -10,7 +10,7 @@ std::shared_ptr<const std::vector<Box>> final_boxes(const std::shared_ptr<const 
   return std::make_shared<const std::vector<Box>>(partition->tiles(), Box{{1, 1, 1}, {-1, -1, -1}});
 }
 
-// A sweep along x: boxes by their lower side, each against those that begin before it ends.
+// A sweep along x: each box, in the order of lower sides, is compared with boxes that begin before it ends.
 std::vector<std::vector<TileId>> touching_tiles(const Partition& partition, const std::vector<Bounds>& bounds) {
   const auto& boxes = partition.boxes();
   const auto tiles = static_cast<std::uint32_t>(boxes.size());

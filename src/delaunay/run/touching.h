@@ -1,4 +1,4 @@
-// Which tiles have to do with each other from the start.
+// Which tiles touch each other.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,12 @@
 
 namespace tessera {
 
-// Where cells can be final: the boxes of the partition; of tiles that lie in one another, as random ones do, the empty
-// box.
+// Returns the boxes in which cells can be final: the boxes of the partition. If the tiles are one in another, as random
+// ones are, every box is empty.
 std::shared_ptr<const std::vector<Box>> final_boxes(const std::shared_ptr<const Partition>& partition);
 
-// By tile, ascending: those with points whose boxes touch its own; of a random partition, the next 32 in number.
-// `bounds`: of the tiles' points.
+// Returns by tile, ascending, the tiles with points whose boxes touch its box; for a random partition, the next 32
+// tiles by number. `bounds`: by tile, the bounds of its points.
 std::vector<std::vector<TileId>> touching_tiles(const Partition& partition, const std::vector<Bounds>& bounds);
 
 }  // namespace tessera

@@ -1,4 +1,5 @@
-// From errors as values, and the exceptions of libraries, to the one exception of the public library.
+// Turns errors that are values, and the exceptions of other libraries, into Failure, the one exception of the public
+// library.
 #pragma once
 
 #include <string>
@@ -10,9 +11,9 @@
 
 namespace tessera {
 
-// As a Failure.
+// Throws the error as a Failure.
 [[noreturn]] void throw_failure(const Error& error);
-// The exception that is being handled, as a Failure.
+// Throws the exception that is being handled, as a Failure.
 [[noreturn]] void rethrow_as_failure();
 
 template <class T>
@@ -24,7 +25,7 @@ inline void or_throw(const Status& status) {
   if (!status) throw_failure(status.error());
 }
 
-// Runs `work` as a call of the library (see Entry): whatever it throws comes out as a Failure.
+// Runs `work` with an Entry, and returns its result. Any exception comes out as a Failure.
 template <class Work>
 auto guarded(Work&& work) {
   try {

@@ -9,7 +9,8 @@
 namespace tessera {
 namespace {
 
-// From the nearest sample it is a few steps, and looking for it costs as much: 60 cells are nine points in 3D.
+// The walk from the nearest sample takes a few steps, about as long as the search for the sample. 60 cells have nine
+// points in 3D.
 constexpr std::size_t cells_a_sample = 60;
 
 Bounds bounds_of(const SimplexArrays& arrays) {
@@ -22,7 +23,7 @@ Bounds bounds_of(const SimplexArrays& arrays) {
   return bounds;
 }
 
-// For choosing what is nearer; infinite differences only make a bad choice.
+// For the choice of the nearer start. Infinite differences only make a bad choice.
 double squared_distance(const Point& p, const Point& q) {
   const double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
   return x * x + y * y + z * z;
@@ -74,7 +75,7 @@ std::int32_t SimplexFinder::walk(const Point& q, std::int32_t& last) const {
     for (int i = 0; i < corners; ++i) p[i] = vertex(v[i]);
     int facet = 0;
     for (; facet < corners; ++facet) {
-      if (n[facet] == from && from >= 0) continue;  // it was crossed: q is on this side
+      if (n[facet] == from && from >= 0) continue;  // the walk came across this facet, so q is on this side
       const Point corner = std::exchange(p[facet], q);
       const int side = orientation<d>(p);
       p[facet] = corner;
@@ -98,7 +99,7 @@ void SimplexFinder::find(std::span<const double> queries, std::span<std::int32_t
     out[i] = -1;
     if (is_finite(q)) order.push_back({key_(q), i});
   }
-  // Along the curve one answer is near the next, also in memory.
+  // Along the Hilbert curve each answer is near the next one, also in memory.
   std::sort(order.begin(), order.end(), [](const Query& a, const Query& b) { return a.key < b.key; });
   std::int32_t last = 0;
   for (const Query& query : order) {

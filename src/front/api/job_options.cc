@@ -17,7 +17,8 @@ void require(bool holds, const std::string& otherwise) {
   if (!holds) throw Failure(Cause::usage, otherwise);
 }
 
-// Of an option whose parser knows the end of the sentence.
+// Returns the parsed value of the option `key`. The error of a parser is the end of a sentence; the Failure gets its
+// beginning.
 template <class T>
 T checked(Result<T> parsed, const char* key) {
   if (!parsed) throw_failure(error(parsed.error().code, option(key) + ": " + parsed.error().where));

@@ -85,7 +85,7 @@ std::vector<Point> line_of(std::span<const double> coordinates) {
 
 std::vector<ProfilePoint> profile_of(const Triangulation& triangulation, std::span<const Point> points,
                                      ProfileOptions options) {
-  // Half for tiles, half for what is found in them.
+  // One half of the memory is for tiles, the other half for the points that are found in them.
   options.memory_bytes /= 2;
   const auto stored =
       value_or_throw(query::StoredTriangulation::open(triangulation.folder(), {.memory_bytes = options.memory_bytes}));

@@ -1,4 +1,4 @@
-// What the option classes of the public library hold, and what the library makes of it.
+// The inside of the option classes of the public library, and the options of the engine that are made of it.
 #pragma once
 
 #include "src/job/job_options.h"
@@ -10,7 +10,7 @@
 namespace tessera {
 
 struct TriangulationOptions::Impl {
-  JobOptions job;  // as it was set; 0 threads and 0 bytes stand for a choice of the library
+  JobOptions job;  // as the program set it; 0 threads and 0 bytes let the library choose
   std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first", store = "auto";
   std::vector<double> crop;
   std::filesystem::path folder;
@@ -31,10 +31,11 @@ struct VerifyRequest::Impl {
 };
 
 struct MeasureRequest::Impl {
-  MeasureOptions options;  // 0 threads and 0 bytes stand for a choice of the library
+  MeasureOptions options;  // 0 threads and 0 bytes let the library choose
   std::stop_token stop;
 };
 
+// Gives the library access to the inside of option classes, which name it as a friend.
 struct OptionsInside {
   template <class Options>
   static const auto& of(const Options& options) {
@@ -42,7 +43,8 @@ struct OptionsInside {
   }
 };
 
-// Checked, and all choices made. Throws Failure (usage; io for a file with a coordinate system).
+// Returns the checked options of a job, with all choices of the library made. Throws Failure: usage; io for a file with
+// a coordinate system that cannot be read.
 JobOptions job_options(const TriangulationOptions& options);
 
 }  // namespace tessera

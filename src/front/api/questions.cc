@@ -12,7 +12,7 @@
 namespace tessera {
 
 struct Questions::Impl {
-  Triangulation of;  // a temporary result stays as long as it may be asked
+  Triangulation of;  // keeps a temporary result folder in existence
   query::StoredTriangulation stored;
   unsigned threads;
 

@@ -76,7 +76,7 @@ Triangulation triangulate_region(const std::vector<std::string>& inputs, std::sp
     std::optional<TemporaryFolder> temporary;
     if (asked.folder.empty()) temporary.emplace(value_or_throw(TemporaryFolder::make()));
     const auto path = temporary ? temporary->path() : asked.folder;
-    auto folder = value_or_throw(ResultFolder::inspect(path, false, asked.overwrite));  // before the input is read
+    auto folder = value_or_throw(ResultFolder::inspect(path, false, asked.overwrite));  // fails before input is read
     auto cloud = value_or_throw(open_regions(inputs, job, asked.stop));
     auto summary = write_region(cloud, job, folder, asked.stop);
     if (!summary) {

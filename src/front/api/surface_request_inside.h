@@ -1,4 +1,4 @@
-// What the requests for surfaces hold, and their common functions; each of them is made in one file of the library.
+// The inside of SurfaceRequest, and its functions. One file of the library instantiates them for each request.
 #pragma once
 
 #include <memory>
@@ -11,18 +11,18 @@
 
 namespace tessera {
 
-// Specialised with the `Options` that the engine has for it.
+// Each request specialises this with a type `Options`: the options of the engine for this request.
 template <class Request>
 struct AskedOfEngine;
 
 template <class Request>
 struct SurfaceRequest<Request>::Impl {
-  // As it was set; 0 threads and 0 bytes stand for a choice of the library.
+  // As the program set them; 0 threads and 0 bytes let the library choose.
   typename AskedOfEngine<Request>::Options options = {};
   bool overwrite = false;
   std::stop_token stop;
 
-  // All choices made.
+  // Returns the options of the engine, with all choices of the library made.
   auto chosen() const {
     auto all = options;
     if (all.memory_bytes == 0) all.memory_bytes = default_memory();

@@ -35,7 +35,7 @@ const char* numpy_name(AttributeType type) {
 struct Tile::Impl {
   std::uint32_t id = 0;
   TileMesh mesh;
-  std::vector<std::vector<std::byte>> columns;  // of attributes
+  std::vector<std::vector<std::byte>> columns;  // the values of each attribute
   std::vector<std::vector<std::byte>> of_cells;
   std::vector<Field> attributes, cell_fields;
 

@@ -1,4 +1,4 @@
-// What a Tile is made of: a tile of a result, or cells of several in one.
+// Makes a Tile, from a tile of a result or from cells of several tiles.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-// "uint8", "int16", "float64", ...
+// Returns the name of a type in NumPy: "uint8", "int16", "float64", ...
 const char* numpy_name(AttributeType type);
 
 struct TileMaker {

@@ -39,7 +39,7 @@ JobProgress look(const Progress& progress) {
   return now;
 }
 
-// A job, which works in a thread of its own so that the one that called can tell how far it is.
+// A job that works in a thread of its own, so that the calling thread can report its progress.
 class WatchedJob {
  public:
   WatchedJob(JobOptions job, const OpenCloud& open, ResultFolder folder, const std::stop_token& stop)
@@ -51,12 +51,12 @@ class WatchedJob {
           return run_job(engine_, job_, open, folder_, progress_, stop_.get_token());
         })) {}
 
-  // Until it is done, tells `progress`, which may throw.
+  // Calls `progress` now and then until the job is done. `progress` may throw.
   void watch(const std::function<void(const JobProgress&)>& progress) {
     constexpr std::chrono::milliseconds interval(100);
     while (outcome_.wait_for(interval) != std::future_status::ready) call_back(progress, look(progress_));
   }
-  // Waits for its end. What is to be said of the input.
+  // Waits for the end of the job, and returns the warnings about the input. Throws Failure if the job failed.
   std::vector<std::string> finish() {
     const auto summary = outcome_.get();
     if (!summary) {
@@ -69,7 +69,8 @@ class WatchedJob {
     }
     return summary.value() ? summary.value()->warnings : std::vector<std::string>{};
   }
-  // Whatever went wrong: ends it, and leaves what can be resumed, if that was asked for, or the folder as it was.
+  // Stops the job after a failure of any kind. Leaves the unfinished run for --resume if the options ask for that, else
+  // the folder as it was.
   void abandon() {
     stop_.request_stop();
     if (outcome_.valid()) outcome_.wait();
@@ -88,7 +89,8 @@ class WatchedJob {
   std::future<Result<std::optional<JobSummary>>> outcome_;
 };
 
-// Whatever goes wrong, the job has ended and the folder is clean before it is told.
+// Runs a job to its end, with callbacks. If anything fails, the job has ended and the folder is clean before the
+// exception leaves this function.
 void run_watched(const TriangulationOptions& given, JobOptions job_options, const OpenCloud& open,
                  ResultFolder folder) {
   const auto& options = OptionsInside::of(given);
@@ -99,7 +101,8 @@ void run_watched(const TriangulationOptions& given, JobOptions job_options, cons
     if (options.progress) job->watch(options.progress);
     warnings = guarded([&] { return job->finish(); });
   } catch (...) {
-    // In a child that was forked by the callback the job's threads are not there, and its folder is the parent's.
+    // In a child that the callback forked, the threads of the job do not exist, and the folder is the parent's. So the
+    // job is leaked there.
     is_forked_within() ? static_cast<void>(job.release()) : job->abandon();
     throw;
   }

@@ -1,4 +1,4 @@
-// What a Triangulation holds: made by triangulate() and by Triangulation::open().
+// The inside of a Triangulation, which triangulate() and Triangulation::open() make.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace tessera {
 
 struct Triangulation::Impl {
   TileSource source;
-  std::shared_ptr<const TemporaryFolder> temporary;  // its folder, when it is to go with the last version of this
+  std::shared_ptr<const TemporaryFolder> temporary;  // the folder, if it is temporary: removed with the last owner
 };
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// From a result folder that is complete to a Triangulation.
+// Makes a Triangulation from a complete result folder.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace tessera {
 
-// Has access to the inside of a Triangulation.
+// A friend of Triangulation, which may call its private constructor.
 struct TriangulationMaker {
-  // `temporary`: `path`, when it is to go with the Triangulation.
+  // `temporary`: the folder `path`, if it is to be removed with the Triangulation. Throws Failure.
   static Triangulation open(const std::filesystem::path& path, std::optional<TemporaryFolder> temporary);
 };
 

@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// The others are called as in the command, but for dashes.
+// The keys with another name here. All others have the name of the command, with _ for -.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 5> names{
     {{"class", "classes"}, {"dim", "dimension"}, {"memory", "memory_bytes"}, {"type", "doubles"}, {"z", "heights"}}};
 

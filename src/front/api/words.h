@@ -1,4 +1,4 @@
-// How the library names options in its sentences: as functions of its option classes.
+// The names of options in the messages of the library: the names of functions of its option classes.
 #pragma once
 
 #include <string>
@@ -6,7 +6,8 @@
 
 namespace tessera {
 
-// ("memory", "") is "memory_bytes", ("dim", "2") "dimension(2)", ("format", "vtu") "format(\"vtu\")".
+// Returns how a message names the option `key` of the command, with its `value` if there is one: "memory_bytes" for
+// ("memory", ""), "dimension(2)" for ("dim", "2"), "format(\"vtu\")" for ("format", "vtu").
 std::string member_name(std::string_view key, std::string_view value);
 
 }  // namespace tessera

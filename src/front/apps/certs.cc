@@ -1,4 +1,4 @@
-// tessera certs: the authority of a cluster, and certificates of its nodes.
+// tessera certs: makes the certificate authority of a cluster, and certificates of its nodes.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// tessera cluster: several daemons of this machine as one cluster, to try and to test.
+// tessera cluster: runs several daemons on this machine as one cluster, for trials and tests.
 #include <signal.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds join_time{60}, end_time{20};
-constexpr std::chrono::milliseconds pause{50};  // between two questions
+constexpr std::chrono::milliseconds pause{50};  // between two requests to the coordinator
 constexpr std::int64_t nodes_max = 64, usual_nodes = 4;
 constexpr std::uint64_t memory_min = std::uint64_t{64} << 20;
 
@@ -60,7 +60,8 @@ Result<Server> server_of(const LocalCluster& cluster) {
   return Server::make(std::move(options));
 }
 
-// Until the nodes are so. Errors: io, also when a process ends meanwhile; interrupted.
+// Waits until `so` is true of the nodes. Errors: io, also if the process of a node in `alive` ends, and after a minute;
+// interrupted.
 Status wait_until(const LocalCluster& cluster, Server& server, const std::function<bool(const Nodes&)>& so,
                   const std::vector<const LocalNode*>& alive, const std::stop_token& stop) {
   const auto until = Clock::now() + join_time;
@@ -102,7 +103,7 @@ Result<Given> read_given(Settings& settings) {
   return Given{nodes, threads, memory, std::move(inputs)};
 }
 
-// What is given, or else what there was; of a new one the usual.
+// Sets the members that the user gave. The others keep their values; in a new cluster they get defaults.
 void configure(LocalCluster& cluster, const Given& given, bool fresh) {
   const std::size_t count = cluster.nodes.size();
   if (fresh) {
@@ -118,7 +119,7 @@ void configure(LocalCluster& cluster, const Given& given, bool fresh) {
   }
 }
 
-// Starts those that do not run, and returns when all are free for work.
+// Starts the nodes that do not run, and returns when all nodes are free for work.
 Status start_missing(LocalCluster& cluster, const std::stop_token& stop) {
   std::vector<LocalNode*> missing;
   std::vector<const LocalNode*> all, alive;
@@ -129,7 +130,7 @@ Status start_missing(LocalCluster& cluster, const std::stop_token& stop) {
     all.push_back(&node);
   }
   const bool coordinator_runs = missing.empty() || missing.front() != &cluster.nodes.front();
-  if (!missing.empty() && coordinator_runs) {  // else what it knows of them would be taken for the new ones
+  if (!missing.empty() && coordinator_runs) {  // wait until it has forgotten the old processes of these nodes
     BOOST_OUTCOME_TRY(server, server_of(cluster));
     const auto forgotten = [&](const Nodes& nodes) {
       return std::none_of(missing.begin(), missing.end(),
@@ -242,7 +243,7 @@ Status run_kill(const fs::path& folder, const std::string& number, const OutputO
   return success();
 }
 
-// The coordinator first: while its nodes are there, its jobs stop where they can be resumed.
+// Ends all processes, the coordinator first: while its nodes still run, its jobs can stop so that they can be resumed.
 Status run_down(const fs::path& folder, const OutputOptions& output) {
   BOOST_OUTCOME_TRY(cluster, existing(folder));
   BOOST_OUTCOME_TRY(lock, FolderLock::take(folder));

@@ -37,7 +37,7 @@ void add_switch(Command& command, const std::string& key, const std::string& hel
       short_part + "--" + key, [settings, key] { settings->set_flag(key, "true"); }, help);
   auto* off = command.app->add_flag_callback(
       "--no-" + key, [settings, key] { settings->set_flag(key, "false"); }, help);
-  // The help shows the one that changes something.
+  // The help shows only the form that changes the default.
   (on_by_default ? on : off)->group("");
   on->excludes(off);
 }
@@ -71,7 +71,7 @@ void add_output_switches(Command& command) {
 
 Result<OutputOptions> output_options(Settings& settings) {
   OutputOptions options;
-  // A switch that is off contradicts nothing.
+  // Only switches that are on can contradict each other.
   BOOST_OUTCOME_TRY(quiet, settings.on("quiet"));
   BOOST_OUTCOME_TRY(verbose, settings.on("verbose"));
   BOOST_OUTCOME_TRY(json, settings.on("json"));

@@ -1,4 +1,4 @@
-// One subcommand: its options and what it does. Each has a file of its own that offers add_NAME().
+// One subcommand: its options and what it does. Each subcommand has a file of its own with a function add_NAME().
 #pragma once
 
 #include <functional>
@@ -16,11 +16,13 @@ class App;
 
 namespace tessera {
 
+// A subcommand as it is declared.
 struct Command {
-  CLI::App* app = nullptr;  // belongs to the root
+  CLI::App* app = nullptr;  // owned by the root
   std::unique_ptr<Settings> settings;
-  std::map<std::string, std::vector<std::string>> choices;  // of an option's or argument's value, for completion
-  // Checks all arguments, then acts. `command_line`: for the manifest.
+  std::map<std::string, std::vector<std::string>>
+      choices;  // by option or argument: the possible values, for completion
+  // Checks all arguments, then does the work. `command_line` is for the manifest.
   std::function<Status(const std::vector<std::string>& command_line)> run;
 };
 
@@ -53,30 +55,31 @@ Command add_drain(CLI::App& root);
 Command add_generate(CLI::App& root);
 Command add_harness(CLI::App& root);
 
-// Under which the help lists commands that ask a daemon.
+// The heading under which the help lists commands that ask a daemon.
 constexpr const char* daemon_group = "Asking a daemon (--server)";
-// Its argument: the id of a job.
+// Adds the argument ID, the id of a job. Returns the string that gets it.
 std::shared_ptr<std::string> add_job_id(Command& command);
 
-// The parts of a command's declaration that all share.
+// The functions below are the parts of which declarations of commands consist.
 Command new_command(CLI::App& root, const std::string& name, const std::string& description,
                     const std::string& examples);
-// --key VALUE (and -short VALUE), TESSERA_KEY, key = in the file.
+// Adds an option with a value: --key VALUE (and -short VALUE), the variable TESSERA_KEY, and key = in the file.
+// flag_only: only the flag.
 void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help,
                char short_name = 0, bool flag_only = false);
-// --key and --no-key. With on_by_default `help` tells what the latter does.
+// Adds a switch: --key and --no-key. With on_by_default, `help` describes --no-key.
 void add_switch(Command& command, const std::string& key, const std::string& help, char short_name = 0,
                 bool flag_only = false, bool on_by_default = false);
-// A positional argument: one word, or all that follow.
+// Adds a positional argument: one word (string), or all words that follow (vector).
 void add_argument(Command& command, const std::string& name, const std::string& metavar, std::string& target,
                   const std::string& help);
 void add_argument(Command& command, const std::string& name, const std::string& metavar,
                   std::vector<std::string>& target, const std::string& help);
-// The heading under which the help of all commands lists this one.
+// Sets the heading under which the help of the program lists this command.
 void set_group(Command& command, const std::string& heading);
-// What the value of that option or argument can be: "kdtree, grid".
+// Tells completion the possible values of an option or argument: "kdtree, grid".
 void add_choices(Command& command, const std::string& key, const std::string& values);
-void add_output_switches(Command& command);  // quiet, verbose, json
+void add_output_switches(Command& command);  // --quiet, --verbose, --json
 
 struct OutputOptions {
   bool quiet = false, verbose = false, json = false;

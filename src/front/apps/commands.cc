@@ -13,7 +13,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   root.name("tessera");
   root.description("Exact Delaunay triangulation of point clouds that do not fit in memory.");
   root.set_version_flag("--version", std::string("tessera ") + version());
-  root.formatter(help_formatter());  // before the commands, which take it over
+  root.formatter(help_formatter());  // before the commands are added, because they inherit it
   root.require_subcommand(1);
   root.footer(
       "'tessera help COMMAND' tells more. Options can also come from TESSERA_* variables and a file: see --config.");

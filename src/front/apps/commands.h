@@ -1,4 +1,4 @@
-// The commands of the program, for whoever runs or describes them.
+// All commands of the program, to run them or to describe them.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// Declares all, and what the program says of itself, in this fresh `root`, which must outlive them.
+// Declares all commands, and the texts of the program's help, in a new `root`, which must outlive the commands.
 std::vector<Command> add_commands(CLI::App& root);
 
 }  // namespace tessera

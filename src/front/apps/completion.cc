@@ -13,13 +13,13 @@ std::string words(const std::vector<std::string>& list) {
   return text;
 }
 
-// What the value can be, as words; none when anything can.
+// Returns the possible values of an option, separated by spaces; "" if any value is possible.
 std::string values_of(const Command& command, const CLI::Option& option) {
   const auto key = option.get_positional() ? option.get_name() : option.get_lnames().front();
   const auto known = command.choices.find(key);
   if (known != command.choices.end()) return words(known->second);
   if (option.get_positional()) return "";
-  // "2|3"; in capitals stand names for what is given.
+  // A type name like "2|3" lists the values. Capitals are placeholders.
   auto list = option.get_type_name();
   if (list.find('|') == std::string::npos || list.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
     return "";
@@ -27,8 +27,8 @@ std::string values_of(const Command& command, const CLI::Option& option) {
   return list;
 }
 
-// The branches of one command: its options, and the values of those that have few. An option whose value can be
-// anything gets no words, and with them the names of files.
+// Returns the branches of one command: its options, and the values of options that have few. For other options the
+// script offers no words, so the shell completes names of files.
 std::string branches(const Command& command) {
   const auto name = command.app->get_name();
   std::string options, arguments, values, any;
@@ -59,7 +59,7 @@ std::string branches(const Command& command) {
     return "    " + name + "\\ " + after + ") case $current in -*) offered='" + options + "' ;; *) offered='" + words +
            "' ;; esac ;;\n";
   };
-  // Of several arguments only the first has its place: right after the command.
+  // If there are several arguments, only the first one has a known position: right after the command.
   return values + (positionals > 1 ? branch(name, arguments) + branch("*", "") : branch("*", arguments));
 }
 

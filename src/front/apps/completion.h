@@ -1,4 +1,4 @@
-// Completion for the shell, from the declarations of the commands.
+// Shell completion, made from the declarations of the commands.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace tessera {
 
-// For bash; and for zsh, after `autoload -U bashcompinit && bashcompinit`. Completes commands, options, and the values
-// of which there are few; elsewhere the shell offers names of files.
+// Returns a script for bash, and for zsh after `autoload -U bashcompinit && bashcompinit`. The script completes
+// commands, options, and the values of options that have few. Elsewhere the shell offers names of files.
 std::string completion(const std::vector<Command>& commands);
 
 }  // namespace tessera

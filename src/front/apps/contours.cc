@@ -1,4 +1,4 @@
-// tessera contours: the contour lines of a 2D result.
+// tessera contours: writes the contour lines of a 2D result.
 #include "src/result/terrain/contours.h"
 
 #include <memory>

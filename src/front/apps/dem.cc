@@ -1,4 +1,4 @@
-// tessera dem: a 2D result as a raster.
+// tessera dem: writes a 2D result as a raster.
 #include "src/result/terrain/dem.h"
 
 #include <memory>
@@ -27,7 +27,8 @@ Result<bool> parse_type(const std::string& text) {
   return error(Errc::usage, "'" + text + "' is no type of pixels; there are float32 and float64");
 }
 
-// What tells of the light makes no sense without it.
+// Returns the light of a hillshade; no value if none is wanted. Error usage for a direction of the light without
+// --hillshade.
 Result<std::optional<Light>> read_light(Settings& settings) {
   BOOST_OUTCOME_TRY(hillshade, settings.on("hillshade"));
   Light light;
@@ -76,7 +77,7 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
   product.make = [&](const Manifest& manifest, const std::stop_token& stop) -> Result<TileConsumer*> {
     DemOptions drawing = options;
     drawing.memory_bytes = product.memory_bytes;
-    drawing.threads = threads + 1;  // of a job's writers one waits for the disk, mostly
+    drawing.threads = threads + 1;  // one of the job's writer threads mostly waits for the disk
     drawing.progress = {};
     BOOST_OUTCOME_TRY(begun, DemMaker::begin(made_of.sources[0], manifest, target, drawing, stop));
     maker = std::move(begun);

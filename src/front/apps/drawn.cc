@@ -77,7 +77,7 @@ void print_drawn(const RegionSummary& region, const OutputOptions& output) {
     say("%s", region_text(region).c_str());
     for (const auto& warning : region.warnings) say_beside("warning: %s\n", warning.c_str());
   }
-  // A daemon has it in the job's log.
+  // For a daemon's job the sentence is in the job's log.
   if (!region.complete && !region.needed.empty()) say_beside("note: %s\n", render(region.needed, flag_name).c_str());
 }
 
@@ -119,7 +119,7 @@ bool print_drawn(const Json& outcome, const OutputOptions& output) {
       return false;
     }
     return true;
-  } catch (const Json::exception&) {  // of another version, with other fields
+  } catch (const Json::exception&) {  // a daemon of another version has other fields
     return false;
   }
 }

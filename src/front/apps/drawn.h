@@ -1,4 +1,4 @@
-// What came of region, dem and contours, told in the same way whether it was done here or by a daemon.
+// Prints the outcome of region, dem and contours. The text is the same for work of this process and of a daemon.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,7 +14,7 @@ void print_drawn(const RegionSummary& region, const OutputOptions& output);
 void print_drawn(const Dem& dem, const OutputOptions& output);
 void print_drawn(const Contours& contours, const OutputOptions& output);
 
-// Of the object that a daemon has. False when it is of none of them; nothing is printed then.
+// Prints the outcome in a daemon's JSON object. Returns false, and prints nothing, if it is of none of the three.
 bool print_drawn(const nlohmann::ordered_json& outcome, const OutputOptions& output);
 
 }  // namespace tessera

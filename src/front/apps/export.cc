@@ -1,4 +1,4 @@
-// tessera export: a result folder as a file for other programs.
+// tessera export: writes a result as a file for other programs.
 #include "src/result/export/export.h"
 
 #include <unistd.h>
@@ -24,14 +24,15 @@
 namespace tessera {
 namespace {
 
-// A line on the terminal, redrawn when its percentage changes; nothing elsewhere.
+// Returns a function that draws the progress on one line of the terminal, when the percentage changes. Returns null if
+// nothing is to be drawn.
 std::function<void(double)> progress_line(const OutputOptions& output) {
   if (output.quiet || output.json || output.verbose || isatty(STDERR_FILENO) == 0) return {};
   return [shown = -1](double fraction) mutable {
     const int percent = static_cast<int>(fraction * 100);
     if (percent == shown) return;
     shown = percent;
-    // The end is not the end: a spatial index may follow, and writing back to disk.
+    // At 100 % a spatial index may still have to be made, and the file written back to disk.
     const std::string text = percent < 100 ? "exporting " + std::to_string(percent) + " %" : "finishing     ";
     std::fprintf(stderr, "\r%s", text.c_str());
   };

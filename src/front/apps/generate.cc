@@ -1,4 +1,4 @@
-// tessera generate: made-up clouds.
+// tessera generate: writes clouds of random points, for tests and trials.
 #include "src/input/generate/generate.h"
 #include "src/base/json/json_text.h"
 #include "src/front/apps/say.h"
@@ -53,7 +53,7 @@ Status run_generate(Settings& settings, const std::string& kind) {
   const auto stop = interrupt.token();
   BOOST_OUTCOME_TRYV(generate(options, target, [&](std::uint64_t) { return !stop.stop_requested(); }));
   BOOST_OUTCOME_TRY(written, bytes_if_there(target));
-  const auto bytes = written.value_or(0);  // a device has none
+  const auto bytes = written.value_or(0);  // a device has no size
   if (output.json) {
     const nlohmann::ordered_json object{
         {"event", "generated"}, {"output", target.string()}, {"points", options.points}, {"bytes", bytes}};

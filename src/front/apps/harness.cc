@@ -1,4 +1,5 @@
-// tessera harness: the real actors under a deterministic scheduler, compared with CGAL, seed after seed.
+// tessera harness: runs the real actors under a deterministic scheduler, for one random seed after the other, and
+// compares the results with CGAL's.
 #include "actors/harness/harness.h"
 #include "src/base/json/json_text.h"
 
@@ -22,11 +23,11 @@
 namespace tessera {
 namespace {
 
-constexpr std::int64_t points_max = 1'000'000;  // the comparison keeps every cell in memory
+constexpr std::int64_t points_max = 1'000'000;  // the comparison needs every cell in memory
 constexpr std::int64_t harness_tiles_max = 4096;
 constexpr std::int64_t nodes_max = 64;
 
-// "17" or "1..1000", inclusive.
+// Parses "17" or "1..1000". Both ends are included.
 Result<std::pair<std::uint64_t, std::uint64_t>> parse_seeds(const std::string& text) {
   constexpr auto highest = std::numeric_limits<std::int64_t>::max() - 1;
   const auto dots = text.find("..");
@@ -40,7 +41,7 @@ Result<std::pair<std::uint64_t, std::uint64_t>> parse_seeds(const std::string& t
 
 constexpr const char* fault_names = "storage, kill, pause, join, coordinator, leave, last, all";
 
-// "kill,join"
+// Parses a list like "kill,join".
 Result<HarnessFaults> parse_faults(const std::string& text) {
   HarnessFaults faults;
   std::istringstream in(text);

@@ -16,7 +16,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-// The least number of steps from one to the other (optimal string alignment).
+// Returns the edit distance of two words (optimal string alignment).
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -43,7 +43,7 @@ Error no_command(const std::string& word, const std::vector<std::string>& comman
   return error(Errc::usage, "'" + word + "' is no command; " + answer + "; see 'tessera --help'");
 }
 
-// "--res" for "--resolution", too.
+// Returns the option of `app` that the user probably meant. A beginning counts, too: "--res" for "--resolution".
 std::optional<std::string> nearest_option(std::string_view word, const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
@@ -67,7 +67,7 @@ std::string not_expected(const CLI::App& app, const std::string& name) {
   return "'" + word + "' is no option of '" + name + "'" + (meant ? "; perhaps '" + *meant + "' is meant" : "");
 }
 
-// The parser says which option it is at the beginning of its message.
+// Returns a sentence about an option with a wrong number of values. The parser's message begins with the option.
 std::string wrong_count(const CLI::App& app, const std::string& message) {
   const std::string option = message.substr(0, message.find(':'));
   const CLI::Option* known = app.get_option_no_throw(option);
@@ -93,7 +93,7 @@ std::shared_ptr<CLI::FormatterBase> help_formatter() {
 }
 
 std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& names) {
-  constexpr std::size_t longest = 40;  // of what can be a name at all: paths are given, too
+  constexpr std::size_t longest = 40;  // no name is longer; longer words are paths
   if (word.size() < 2 || word.size() > longest) return std::nullopt;
   const auto begun = std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.starts_with(word); });
   if (begun != names.end()) return *begun;

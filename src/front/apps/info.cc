@@ -1,4 +1,4 @@
-// tessera info: what is in a file or a result folder, and what triangulating it would take.
+// tessera info: tells what is in files or in a result folder, and what triangulating files would take.
 #include <cstdio>
 #include <memory>
 #include <vector>

@@ -1,4 +1,4 @@
-// tessera inputs: the files that jobs of a daemon may read.
+// tessera inputs: lists the files that jobs of a daemon may read.
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>

@@ -1,4 +1,4 @@
-// Ctrl-C and `kill`: the first asks the job to stop, the second ends the process at once.
+// Handles Ctrl-C and `kill`. The first signal requests a stop of the job, the second one ends the process at once.
 #pragma once
 
 #include <memory>
@@ -8,14 +8,14 @@ namespace tessera {
 
 class Interrupt {
  public:
-  Interrupt();  // from here SIGINT and SIGTERM are caught, on a thread of its own
+  Interrupt();  // from now on a thread of this object catches SIGINT and SIGTERM
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
   std::stop_token token() const;
 
  private:
-  struct Impl;  // keeps Asio out of the files that only want a token
+  struct Impl;  // keeps Asio out of the files that only need a token
   std::unique_ptr<Impl> impl_;
 };
 

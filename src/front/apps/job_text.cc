@@ -13,7 +13,7 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-// Columns as wide as they must be, two spaces apart.
+// Returns a table. Columns are as wide as their widest entry, and two spaces apart.
 std::string table(std::vector<Row> rows) {
   for (auto& row : rows)
     for (auto& cell : row) cell = printable(cell);

@@ -1,4 +1,4 @@
-// Jobs, results, inputs and nodes of a daemon, as lines for people and objects for programs.
+// Jobs, results, inputs and nodes of a daemon, as text for people and as JSON for programs.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,31 +11,32 @@ namespace tessera {
 
 // A node of a cluster on this machine, and its process.
 struct LocalNodeState {
-  proto::NodeInfo info;  // its name alone, when the coordinator does not know it
-  int process = 0;       // 0: it does not run
+  proto::NodeInfo info;  // only the name, if the coordinator does not know the node
+  int process = 0;       // 0: the node does not run
   std::string log;
 };
 
-// accepted and running have not.
+// Returns whether the job has ended: it is neither accepted nor running.
 bool has_ended(const proto::StatusInfo& job);
 
-// A table with a head, the last line end included; a sentence when there is nothing.
+// These return a table with a head, or a sentence if the list is empty. The text ends with a line end.
 std::string jobs_text(const std::vector<proto::StatusInfo>& jobs);
 std::string results_text(const std::vector<proto::TriangulationInfo>& results);
-// `folder`: what was asked for.
+// `folder`: the folder that the user asked for.
 std::string inputs_text(const std::vector<proto::InputInfo>& inputs, const std::string& folder);
 std::string nodes_text(const std::vector<proto::NodeInfo>& nodes);
 std::string local_nodes_text(const std::vector<LocalNodeState>& nodes);
-// All that is known of one, a line for each.
+// Returns all that is known of a job, a line for each item.
 std::string job_text(const proto::StatusInfo& job);
 
-// {"event":"job","id":...}, {"event":"result","name":...}, {"event":"node","name":...}.
+// These return {"event":"job","id":...}, {"event":"result","name":...}, {"event":"input","name":...} and
+// {"event":"node","name":...}.
 nlohmann::ordered_json job_json(const proto::StatusInfo& job);
 nlohmann::ordered_json result_json(const proto::TriangulationInfo& result);
-// {"event":"input","name":...}; without what the file's header does not tell.
+// Leaves out what the header of the file does not tell.
 nlohmann::ordered_json input_json(const proto::InputInfo& input);
 nlohmann::ordered_json node_json(const proto::NodeInfo& node);
-// The same, with "pid" (0: it does not run) and "log".
+// Returns node_json() of the node with "pid" (0: the node does not run) and "log".
 nlohmann::ordered_json local_node_json(const LocalNodeState& node);
 
 }  // namespace tessera

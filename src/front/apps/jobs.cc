@@ -1,4 +1,4 @@
-// tessera jobs, job and cancel: what a daemon has to do.
+// tessera jobs, job and cancel: list, show and cancel the jobs of a daemon.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -54,7 +54,7 @@ Status run_cancel(Settings& settings, const std::string& id) {
   BOOST_OUTCOME_TRY(output, output_options(settings));
   BOOST_OUTCOME_TRY(server, open_server(settings));
   const Interrupt interrupt;
-  // Of one that has ended the daemon would forget that it was.
+  // For a job that has ended, the request below would make the daemon forget the job.
   BOOST_OUTCOME_TRY(job, server.job(id, interrupt.token()));
   if (has_ended(job)) return error(Errc::usage, "job " + id + " has ended already: " + job.status());
   BOOST_OUTCOME_TRY(cancelled, server.dismiss(id, interrupt.token()));

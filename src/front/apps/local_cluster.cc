@@ -27,7 +27,7 @@ namespace {
 constexpr const char* host = "127.0.0.1";
 constexpr const char* program = "tesserad";
 
-// So many different ones: all are held until the last is known.
+// Returns `count` different free ports. All sockets stay open until the last port is known.
 Result<std::vector<std::uint16_t>> free_ports(std::size_t count) {
   const auto failed = [] { return error(Errc::io, "no port is free: " + std::generic_category().message(errno)); };
   std::vector<FileHandle> held;
@@ -46,7 +46,7 @@ Result<std::vector<std::uint16_t>> free_ports(std::size_t count) {
   return ports;
 }
 
-// Beside this program, where it is installed; else in PATH.
+// Returns the path of tesserad: beside this program if it is there, else in PATH.
 Result<fs::path> find_daemon() {
   std::vector<fs::path> folders;
   std::error_code failed;
@@ -72,8 +72,8 @@ std::vector<std::string> arguments_of(const LocalCluster& cluster, const LocalNo
                                  "--metrics",   "none"};
   const auto add = [&](std::vector<std::string> more) { words.insert(words.end(), more.begin(), more.end()); };
   if (&node != &cluster.nodes.front()) {
-    // Its time is up before `tessera cluster down` kills it, also when there is no coordinator that could take its
-    // tiles.
+    // A node without a coordinator that could take its tiles ends after this time, before `tessera cluster down` kills
+    // it.
     add({"--join", address_of(cluster.nodes.front()), "--drain-timeout", "10s"});
     return words;
   }
@@ -84,7 +84,7 @@ std::vector<std::string> arguments_of(const LocalCluster& cluster, const LocalNo
   return words;
 }
 
-// The line that it prints once it answers; without its end what has come before it ended.
+// Returns the line that the daemon prints when it answers. If the daemon ends before, returns what it has printed.
 Result<std::string> first_line(const FileHandle& output) {
   std::string line;
   char c = 0;
@@ -102,7 +102,7 @@ Result<std::string> first_line(const FileHandle& output) {
 fs::path LocalCluster::log_of(const LocalNode& node) const { return local_log_file(folder, node.name); }
 
 Result<LocalCluster> new_local_cluster(const fs::path& folder, std::uint32_t nodes) {
-  BOOST_OUTCOME_TRYV(find_daemon());  // before anything is made
+  BOOST_OUTCOME_TRYV(find_daemon());  // fails before anything is made
   LocalCluster cluster;
   cluster.folder = folder;
   BOOST_OUTCOME_TRY(ports, free_ports(nodes + 1));
@@ -177,7 +177,7 @@ Status start_node(LocalCluster& cluster, LocalNode& node) {
   BOOST_OUTCOME_TRY(daemon, find_daemon());
   const bool first = &node == &cluster.nodes.front();
   BOOST_OUTCOME_TRY(started, start_process(daemon, arguments_of(cluster, node), cluster.log_of(node), "TESSERAD_"));
-  if (cluster.boot != boot_id()) {  // no other number means anything any more
+  if (cluster.boot != boot_id()) {  // the machine has restarted, so the other numbers mean nothing any more
     for (LocalNode& other : cluster.nodes) other.process = {};
     cluster.boot = boot_id();
   }

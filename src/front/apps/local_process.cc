@@ -6,7 +6,7 @@
 #include <spawn.h>
 #include <unistd.h>
 
-extern "C" {  // as of glibc 2.36 the header does not say so itself
+extern "C" {  // the header of glibc 2.36 does not say extern "C"
 #include <sys/pidfd.h>
 }
 
@@ -77,7 +77,8 @@ Result<StartedProcess> start_process(const std::filesystem::path& program, const
                            pointers(variables).data());
   }
   if (failed != 0) return io_error(program, "cannot be started", failed);
-  process.id.started = process_start(process.id.number);  // it is not waited for: its number is its own here
+  process.id.started =
+      process_start(process.id.number);  // the child was not waited for, so the number is still its own
   return process;
 }
 
@@ -89,7 +90,8 @@ Result<std::optional<RunningProcess>> RunningProcess::find(const ProcessId& id) 
     if (errno == ESRCH) return none;
     return io_error("process " + std::to_string(id.number), "cannot be looked at", errno);
   }
-  // In this order: from here on the handle means the process whose beginning is read, or one that has ended.
+  // The order matters. The handle was opened before the start time is read, so it means the process with this start
+  // time, or a process that has ended.
   if (process_start(id.number) != id.started) return none;
   RunningProcess process(std::move(handle));
   if (process.ends_within(std::chrono::milliseconds(0))) return none;
@@ -108,7 +110,7 @@ bool RunningProcess::ends_within(std::chrono::milliseconds time) const {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
     const int found = ::poll(&ended, 1, static_cast<int>(std::max<std::int64_t>(0, left.count())));
     if (found > 0) return true;
-    if (found == 0) return false;  // else: a signal came
+    if (found == 0) return false;  // below 0: a signal interrupted the call
   }
 }
 

@@ -1,4 +1,4 @@
-// Processes of this machine that outlive the one that started them.
+// Processes on this machine that outlive the process that started them.
 #pragma once
 
 #include <sys/types.h>
@@ -15,7 +15,7 @@
 
 namespace tessera {
 
-// What is remembered of one: its number, and when it began, for the number may be another's later.
+// Identifies a process by its number and its start time, because the number may belong to another process later.
 struct ProcessId {
   pid_t number = 0;  // 0: none
   std::uint64_t started = 0;
@@ -23,22 +23,22 @@ struct ProcessId {
 
 struct StartedProcess {
   ProcessId id;
-  FileHandle output;  // reads its stdout
+  FileHandle output;  // reads the process's stdout
 };
 
-// In a session of its own, which no Ctrl-C of this one reaches; without input, and without variables whose names begin
-// with `hidden`. stderr is appended to `log`. Error io.
+// Starts a process in a session of its own, which Ctrl-C in this terminal does not reach. The process has no input, and
+// no variables whose names begin with `hidden`. Its stderr is appended to `log`. Error io.
 Result<StartedProcess> start_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                                      const std::filesystem::path& log, const std::string& hidden);
 
-// A process that runs, and no other one.
+// A handle of one process, which never means another process with the same number.
 class RunningProcess {
  public:
-  // Nothing when it has ended. Error io when the system cannot tell.
+  // Returns the process; no value if it has ended. Error io if the system cannot tell.
   static Result<std::optional<RunningProcess>> find(const ProcessId& id);
-  // One that has ended meanwhile gets none. Error io.
+  // Sends a signal. Does nothing if the process has ended meanwhile. Error io.
   Status signal(int number) const;
-  // Waits so long. Whether it has ended.
+  // Waits for the end of the process, at most so long. Returns whether the process has ended.
   bool ends_within(std::chrono::milliseconds time) const;
 
  private:

@@ -1,12 +1,12 @@
-// spdlog on stderr, kept out of the headers. Warnings always, the rest with -v.
+// The log of the command, on stderr: warnings always, other messages with -v. Keeps spdlog out of headers.
 #pragma once
 
 #include <string>
 
 namespace tessera {
 
-void start_log();       // once, first of all
-void log_everything();  // -v
+void start_log();       // must be called once, before all others
+void log_everything();  // for -v
 void log_debug(const std::string& message);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// How much of this machine a command takes: --memory and --threads.
+// The options --memory and --threads: how much of this machine a command uses.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace tessera {
 
-// `of`: what the memory is for, as "tiles and lines".
+// `of`: what the memory is for, for example "tiles and lines".
 void add_memory_option(Command& command, const std::string& of);
 void add_threads_option(Command& command);
 
-// What is given; for "auto" and 0, and when nothing is, the machine's default. Error usage.
+// These return the given value, or the machine's default if it is "auto", 0 or not given. Error usage.
 Result<std::uint64_t> memory_option(const Settings& settings);
 Result<std::uint32_t> threads_option(const Settings& settings);
 

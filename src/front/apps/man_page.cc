@@ -13,7 +13,7 @@ namespace {
 std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
 std::string italic(const std::string& text) { return "\\fI" + roff(text) + "\\fR"; }
 
-// Lines as they stand. A first character that would be a mark is none.
+// Returns lines that roff prints as they are.
 std::string verbatim(const std::string& text) {
   std::istringstream lines(text);
   std::string page = ".nf\n";
@@ -33,7 +33,7 @@ std::string without_full_stop(std::string text) {
   return text;
 }
 
-// "-o, --output FOLDER"
+// Returns the names of an option: "-o, --output FOLDER".
 std::string names_of(const CLI::Option& option) {
   std::string names;
   for (const auto& name : option.get_snames()) names += (names.empty() ? "" : ", ") + bold("-" + name);
@@ -43,7 +43,7 @@ std::string names_of(const CLI::Option& option) {
   return names;
 }
 
-// The arguments, or the options that help shows.
+// Returns the list of the arguments, or of the options that the help shows.
 std::string list(const CLI::App& app, bool arguments) {
   std::string page;
   for (const auto* option : app.get_options()) {
@@ -79,7 +79,7 @@ std::string roff(const std::string& text) {
     } else if (c == '-') {
       escaped += "\\-";
     } else if (c == '\'') {
-      escaped += "\\(aq";  // else a typographic quote
+      escaped += "\\(aq";  // roff would print a typographic quote
     } else {
       escaped += c;
     }
@@ -122,7 +122,7 @@ std::string man_page(const Command& command) {
       ".SH OPTIONS\nOf a switch and its opposite, \\-\\-x and \\-\\-no\\-x, the one is listed that changes the "
       "default.\n" +
       list(app, false);
-  // "Examples:" and, of export, "Formats:", each with the lines below it.
+  // The footer has blocks: "Examples:" and, for export, "Formats:", each with the lines below it.
   std::istringstream footer(app.get_footer());
   std::string block;
   const auto flush = [&] {

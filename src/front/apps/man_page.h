@@ -1,4 +1,5 @@
-// Manual pages, from the declarations of the commands: see man-pages(7) for their sections, groff_man(7) for the marks.
+// Manual pages, made from the declarations of the commands. See man-pages(7) for the sections, groff_man(7) for the
+// markup.
 #pragma once
 
 #include <string>
@@ -11,7 +12,7 @@ namespace tessera {
 std::string man_page_of_program(const CLI::App& root, const std::vector<Command>& commands);  // tessera(1)
 std::string man_page(const Command& command);                                                 // tessera-NAME(1)
 
-// Text as roff prints it: no character of it is a mark, and hyphens are those that one can copy into a shell.
+// Returns the text escaped for roff: no character is markup, and hyphens are those that can be copied into a shell.
 std::string roff(const std::string& text);
 
 }  // namespace tessera

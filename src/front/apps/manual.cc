@@ -1,5 +1,5 @@
-// Writes the man pages and the completion of the command into a folder: man1/tessera*.1 and completions/tessera. Part
-// of the build.
+// Writes the man pages and the shell completion of the command into a folder: man1/tessera*.1 and completions/tessera.
+// The build runs this program.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>

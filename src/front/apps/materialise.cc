@@ -1,4 +1,4 @@
-// tessera materialise: cells of a result that is kept as points, as files.
+// tessera materialise: writes the files of cells of a result that is kept as points.
 #include "src/delaunay/run/materialise.h"
 #include "src/base/json/json_text.h"
 

@@ -1,4 +1,4 @@
-// tessera measure and tessera columns: what is computed of a finished result, and what there is.
+// tessera measure and tessera columns: compute and list the columns of a finished result.
 #include "src/result/measure/measure.h"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// tessera nodes and drain: who works on the jobs of a daemon.
+// tessera nodes and drain: list the nodes that work on a daemon's jobs, and take all work from one of them.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -25,7 +25,8 @@ namespace {
 
 constexpr const char* kept = "keep-result";
 
-// What is not there, and an unfinished run, is told of as of a result.
+// Returns whether the sources are a result. A folder that does not exist and an unfinished run count as results, so
+// that their error messages are those of a result.
 Result<bool> is_result(const std::vector<std::string>& sources) {
   if (sources.empty()) return true;
   if (sources.size() > 1) return false;
@@ -41,7 +42,7 @@ Result<bool> is_result(const std::vector<std::string>& sources) {
   return false;
 }
 
-// A job whose folder goes unless it has come to a good end. `work`: with its options, engine, way to its points.
+// Runs `work` with the options, engine, cloud, folder and progress of a job. If `work` fails, removes the folder.
 template <class Work>
 Status work_in(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output,
                std::uint64_t beside_bytes, const Work& work) {
@@ -88,7 +89,7 @@ Status make_product(Settings& settings, const OneStep& what, const fs::path& scr
                  });
 }
 
-// Not the name that the product has while it is written.
+// Makes a temporary folder beside the product. Its name differs from the temporary name of the product itself.
 Result<TemporaryFolder> folder_beside(const OneStep& what) {
   const fs::path beside = what.beside.empty() ? fs::path("tessera") : fs::path(what.beside);
   if (const fs::path parent = beside.parent_path(); !parent.empty()) {

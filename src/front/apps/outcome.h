@@ -1,4 +1,4 @@
-// What came of a process, told in the same way whether it was done here or by a daemon.
+// Prints the outcome of verify and export. The text is the same for work of this process and of a daemon.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,10 +12,10 @@
 namespace tessera {
 
 void print_verified(const std::string& result, const VerifyReport& report, const OutputOptions& output);
-// `max_edge`: the length as it was given, if it was.
+// `max_edge`: the length as the user typed it, if given.
 void print_exported(const Exported& exported, const std::optional<std::string>& max_edge, const OutputOptions& output);
 
-// Of the objects that a daemon has. Nothing when they are none.
+// These read the outcome in a daemon's JSON object; no value if the object is something else.
 std::optional<VerifyReport> verified_of(const nlohmann::ordered_json& outcome);
 std::optional<Exported> exported_of(const nlohmann::ordered_json& outcome);
 

@@ -1,4 +1,4 @@
-// How much of something is done, on one line of the terminal.
+// A line on the terminal that shows how much is done.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,13 @@
 
 namespace tessera {
 
-// "fetching 12 % of 3.4 GiB", drawn again when the percentage changes; nothing where nobody looks. `what`: "fetching".
+// Returns a function that draws "fetching 12 % of 3.4 GiB", and draws it again when the percentage changes. The
+// function does nothing if stderr is no terminal, or `output` forbids it. `what`: "fetching".
 std::function<void(std::uint64_t bytes, std::uint64_t total)> percent_line(const std::string& what,
                                                                            const OutputOptions& output);
-// The same for parts of a whole, 0..1: "drawing 12 %"; null where nobody looks.
+// Returns the same for fractions, 0 to 1: "drawing 12 %"; null if nothing would be drawn.
 std::function<void(double)> share_line(const std::string& what, const OutputOptions& output);
-// Takes it away.
+// Removes the line.
 void clear_line(const OutputOptions& output);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// tessera profile: the heights of a 2D result along a line.
+// tessera profile: writes the heights of a 2D result along a line.
 #include "src/result/terrain/profile.h"
 #include "src/base/json/json_text.h"
 
@@ -28,7 +28,7 @@
 namespace tessera {
 namespace {
 
-// "x,y x,y ...", or a GeoJSON file with one line.
+// Reads "x,y x,y ...", or a GeoJSON file with one line.
 Result<query::GeoJsonShapes> read_line(const std::string& text) {
   if (text.ends_with(".geojson") || text.ends_with(".json")) {
     BOOST_OUTCOME_TRY(lines, query::read_geojson(text, query::GeoJson::lines));
@@ -51,7 +51,7 @@ Status write(const std::string& csv, const std::string& target, bool overwrite) 
   return write_whole(target, csv);
 }
 
-// Without a file the table is on standard output, so that nothing else is.
+// Prints a summary. Without a target file the table is on stdout, so nothing else is printed there.
 void tell(std::span<const ProfilePoint> points, std::span<const Point> line, const std::string& target,
           const OutputOptions& output) {
   const ProfileGaps gaps = gaps_of(points, line);
@@ -84,7 +84,7 @@ Status run_profile(Settings& settings, const OneStep& made_of) {
   options.digits = digits.value_or(options.digits);
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   BOOST_OUTCOME_TRY(memory, memory_option(settings));
-  // Half for tiles, half for what is found in them.
+  // One half of the memory is for tiles, the other half for the points that are found in them.
   options.memory_bytes = memory / 2;
 
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {

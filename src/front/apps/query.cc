@@ -1,4 +1,4 @@
-// tessera query: questions to a result folder.
+// tessera query: answers questions to a result folder.
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,7 +18,7 @@ struct Asked {
   std::string folder, question, argument;
 };
 
-// Of which options a question makes no use: they would be passed over in silence.
+// Error usage for an option that the question does not use. Otherwise the option would be ignored silently.
 Status refuse_others(const Settings& settings, const std::string& question) {
   const std::pair<const char*, const char*> uses[] = {
       {"points", "locate"},     {"bbox", "cells"},         {"polygon", "cells"},      {"tile", "star"},

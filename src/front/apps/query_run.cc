@@ -28,7 +28,7 @@ Status print(const std::string& text) {
   return error(Errc::io, "standard output: cannot be written");
 }
 
-// Asks about all points of a cloud, so many at a time.
+// Calls `ask` for all points of a cloud, one batch at a time.
 template <class Ask>
 Status for_all_points(const QueryRequest& request, const std::string& input, int dimension, const Ask& ask) {
   constexpr std::size_t at_once = std::size_t{1} << 20;
@@ -96,7 +96,7 @@ Status query_cells(const QueryRequest& request) {
   if (request.bbox.empty() == request.polygon.empty()) return error(Errc::usage, "give either --bbox or --polygon");
   if (request.target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE");
   BOOST_OUTCOME_TRYV(find_export_target(request.target, request.cells));
-  // Half for tiles, half for what is found in them.
+  // One half of the memory is for tiles, the other half for the cells that are found in them.
   BOOST_OUTCOME_TRY(
       result, StoredTriangulation::open(request.folder, {.memory_bytes = request.memory_bytes / 2, .parts = true}));
   query::Area area;

@@ -1,4 +1,4 @@
-// What tessera query does, once its options are read.
+// The work of tessera query, after its options are read.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ namespace tessera {
 
 struct QueryRequest {
   std::filesystem::path folder;
-  std::string argument;                  // what stands behind the question
+  std::string argument;                  // the argument after the question
   std::string points;                    // --points
-  std::vector<std::string> columns;      // of that file, or of interpolate's
-  std::string bbox, polygon;             // of cells
-  std::optional<TileId> tile;            // of star
-  query::InterpolateOptions value = {};  // of interpolate
+  std::vector<std::string> columns;      // the columns of that file, or of the file for interpolate
+  std::string bbox, polygon;             // for cells
+  std::optional<TileId> tile;            // for star
+  query::InterpolateOptions value = {};  // for interpolate
   AnswerOptions answers = {};
   ExportOptions cells = {};
   std::filesystem::path target;

@@ -1,4 +1,4 @@
-// tessera region: the cells of a region of raw clouds.
+// tessera region: writes the cells of a region of raw clouds.
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 struct RegionCommand {
   std::vector<std::string> inputs;
   fs::path out;
-  std::string format;     // of a file; empty: as the ending of `out` says
+  std::string format;     // of a file; empty: the format of the ending of `out`
   bool is_folder = true;  // `out` becomes a result folder
   bool overwrite = false;
   RegionJobOptions job;
@@ -105,7 +105,7 @@ Result<RegionSummary> run_in(const RegionCommand& command, RegionCloud& cloud, c
 Status run_region(const RegionCommand& command) {
   const Interrupt interrupt;
   const ExportOptions exporting{.format = command.format, .overwrite = command.overwrite};
-  if (command.is_folder) {  // before the input is read
+  if (command.is_folder) {  // checked before the input is read
     BOOST_OUTCOME_TRYV(ResultFolder::inspect(command.out, false, command.overwrite));
   } else {
     BOOST_OUTCOME_TRYV(find_export_target(command.out, exporting));

@@ -95,12 +95,12 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
       remote_inputs(settings, process == "dem" ? *proto::DemInputs::descriptor() : *proto::ContoursInputs::descriptor(),
                     only_here({})));
   inputs["triangulation"] = without_slash(result);
-  // What does not stay has a name of its own: what others have drawn of the result is theirs.
+  // A file that does not stay gets a unique name, so that it cannot replace a file of another user of the daemon.
   const std::string made = detach ? target.filename().string() : new_idempotency_key() + target.extension().string();
   inputs["output"] = made;
   BOOST_OUTCOME_TRY(server, open_server(settings));
   const Interrupt interrupt;
-  // In the words of who asks, who has not seen that name.
+  // Errors name the user's target in place of the unique name.
   const auto as_asked = [&](Error failed) {
     if (const auto at = failed.where.find(made); at != std::string::npos)
       failed.where.replace(at, made.size(), target.string());

@@ -1,4 +1,4 @@
-// region, dem and contours, done by a daemon.
+// The commands region, dem and contours, done by a daemon.
 #pragma once
 
 #include <filesystem>
@@ -14,17 +14,19 @@ namespace tessera {
 
 struct RemoteRegion {
   std::vector<std::string> inputs;
-  std::string name;  // of the result there
-  std::string crs;   // empty: the files'
+  std::string name;  // of the result at the daemon
+  std::string crs;   // empty: the system of the files
 };
 Status region_remotely(Settings& settings, const RemoteRegion& region, const OutputOptions& output);
 
-// `process`: dem or contours. The file arrives at `target`, and stays at the daemon only with --detach.
+// `process`: dem or contours. Downloads the file to `target`. The file stays at the daemon only with --detach, and is
+// then not downloaded.
 Status draw_remotely(Settings& settings, const std::string& process, const std::string& result,
                      const std::filesystem::path& target, const OutputOptions& output);
 
 bool is_drawing(const proto::StatusInfo& job);
-// What a successful job of dem or contours has written, to `target`, which is then told; in place of what is there.
+// Downloads the file of a successful dem or contours job to `target`, replaces an existing file there, and prints the
+// outcome.
 Status fetch_drawing(Server& server, const proto::StatusInfo& job, const std::filesystem::path& target,
                      const OutputOptions& output, const std::stop_token& stop);
 

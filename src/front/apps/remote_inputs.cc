@@ -24,7 +24,7 @@ using google::protobuf::FieldDescriptor;
 using Json = nlohmann::ordered_json;
 using Type = FieldDescriptor::CppType;
 
-// Options that the daemon calls otherwise.
+// The options that have another name at the daemon.
 const std::map<std::string, std::string> other_names{
     {"index", "spatial_index"}, {"max-points-per-tile", "tile_points"}, {"z", "heights"}};
 
@@ -96,7 +96,7 @@ Error advise_upload(Error refused, const std::vector<std::string>& inputs) {
   refused = in_flags(std::move(refused));
   if (!refused.where.starts_with("inputs:")) return refused;
   for (const auto& input : inputs) {
-    const auto here = is_regular(input);  // what cannot be looked at is no help to a caller
+    const auto here = is_regular(input);  // an error here means only that there is no advice
     if (!here || !here.value()) continue;
     refused.where += "; " + input + " is a file here, which 'tessera upload' sends to the daemon";
     break;
@@ -123,7 +123,8 @@ Result<Json> remote_inputs(const Settings& settings, const Descriptor& inputs, c
     if (std::find(here.begin(), here.end(), key) != here.end() || settings.text(key) == "auto") continue;
     const auto* field = field_of(inputs, key);
     if (field == nullptr) {
-      if (settings.source(key) == Settings::Source::environment) continue;  // which is there for many commands
+      if (settings.source(key) == Settings::Source::environment)
+        continue;  // a variable may be meant for other commands
       return error(Errc::usage, "--" + key + " is not for a job of a daemon");
     }
     BOOST_OUTCOME_TRY(value, settings.get(key, [&](const std::string& text) { return json_of(text, *field); }));

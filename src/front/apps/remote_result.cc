@@ -89,7 +89,7 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::ExportInputs::descriptor(), only_here({})));
   inputs["triangulation"] = without_slash(name);
   auto file = fs::absolute(target.path).lexically_normal().filename();
-  // The daemon takes a name without an ending for a folder, and one with it for a file.
+  // For the daemon a name without an ending is a folder, and a name with an ending a file.
   if (target.folder) file.replace_extension();
   inputs["output"] = file.string();
   BOOST_OUTCOME_TRY(server, open_server(settings));
@@ -144,7 +144,7 @@ Status info_remotely(Settings& settings, const std::vector<std::string>& what, c
     BOOST_OUTCOME_TRY(found, server.outcome(job.job_id(), interrupt.token()));
     described = std::move(found);
   }
-  // The path of a result is the daemon's matter.
+  // The path of a result at the daemon means nothing here, so its name replaces it.
   if (result) described["result"] = name;
   if (how.json) {
     print_json_line(described);

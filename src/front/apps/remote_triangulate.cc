@@ -39,7 +39,7 @@ Status triangulate_remotely(Settings& settings, const TriangulateOptions& option
   std::string name = options.out.string();
   while (name.size() > 1 && name.ends_with('/')) name.pop_back();
   inputs["output"] = name;
-  // Not a file's name, which is one of this machine.
+  // Sends the coordinate system itself, because --crs may name a file of this machine.
   if (!options.job.cloud.crs.empty()) inputs["crs"] = options.job.cloud.crs;
   BOOST_OUTCOME_TRY(server, open_server(settings));
   const auto submitted = submit(server, inputs);

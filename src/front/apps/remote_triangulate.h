@@ -1,4 +1,4 @@
-// tessera triangulate --server: the same job, done by a daemon.
+// The command triangulate, done by a daemon.
 #pragma once
 
 #include "src/base/result.h"
@@ -7,7 +7,8 @@
 
 namespace tessera {
 
-// What `options`, checked already, were read from is in `settings`. Error usage also for what a daemon cannot do.
+// `options` were read from `settings` and are checked already. Error usage also for options that a daemon cannot
+// follow.
 Status triangulate_remotely(Settings& settings, const TriangulateOptions& options);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// tessera results and fetch: what a daemon has made.
+// tessera results and fetch: list and download the results of a daemon.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -35,7 +35,7 @@ Status run_results(Settings& settings) {
   return success();
 }
 
-// What a job of export, dem or contours has written.
+// Downloads the files that an export, dem or contours job has written.
 Status fetch_of_job(Server& server, const std::string& id, const std::filesystem::path& path,
                     const OutputOptions& output, const std::stop_token& stop) {
   const auto job = server.job(id, stop);

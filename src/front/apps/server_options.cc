@@ -28,7 +28,7 @@ void add_server_options(Command& command) {
   add_value(command, "server", "URL",
             "the daemon that is asked, as http://127.0.0.1:7070; also with the token that it prints at its start");
   add_value(command, "token-file", "FILE", "the token, in the first line of this file; else from TESSERA_TOKEN");
-  // Not as a flag: other users of the machine would see it.
+  // The token has no flag, because other users of the machine can see command lines.
   command.settings->declare("token");
   add_value(command, "ca", "FILE", "https: trust the certificates in this PEM file, instead of those of the system");
   add_value(command, "patience", "SECONDS", "how long to wait for a daemon that has gone; default: 600");

@@ -1,4 +1,4 @@
-// How a command finds the daemon it asks: --server, a token, TLS.
+// The options with which a command finds its daemon: --server, a token, TLS.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,16 +10,16 @@
 namespace tessera {
 
 void add_server_options(Command& command);
-// The same, and --detach, of a command that can also do without a daemon.
+// Adds the same options and --detach, for a command that can also work without a daemon.
 void add_remote_options(Command& command);
-// Error usage for --detach of a job that no daemon does.
+// Error usage if --detach is given. For jobs that this process does.
 Status refuse_detach(const Settings& settings);
-// Whether one is named, by a flag, TESSERA_SERVER or the file.
+// Returns whether a flag, TESSERA_SERVER or the configuration file names a server.
 bool names_server(const Settings& settings);
-// Error usage when none is named, or something is wrong with what is; io when the token's file cannot be read.
+// Error usage if no server is named, or an option is wrong; io if the token's file cannot be read.
 Result<Server> open_server(Settings& settings);
 
-// One object on a line of stdout.
+// Prints one object as a line of stdout.
 void print_json_line(const nlohmann::ordered_json& object);
 
 }  // namespace tessera

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-// The library that Debian builds throws; the header alone can be told not to.
+// Debian's build of the library throws exceptions; the header-only form does not.
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
@@ -24,7 +24,7 @@ std::string environment_name(const std::string& prefix, const std::string& key) 
   return name;
 }
 
-// The text a flag would have had.
+// Returns the text that a flag with this value would have; no value for tables and other types.
 std::optional<std::string> as_text(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* number = node.as_integer()) return std::to_string(number->get());
@@ -113,7 +113,7 @@ Status load_settings_file(const std::filesystem::path& path, const std::vector<S
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   std::ifstream file(path, std::ios::binary);
   if (!file) return error(Errc::io, path.string() + ": the configuration file cannot be read");
-  constexpr std::size_t bytes_max = 1 << 20;  // a thousand times what it needs
+  constexpr std::size_t bytes_max = 1 << 20;  // a thousand times the size of a usual file
   std::string content;
   std::copy_n(std::istreambuf_iterator<char>(file), std::min<std::uint64_t>(bytes, bytes_max),
               std::back_inserter(content));

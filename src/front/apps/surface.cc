@@ -1,4 +1,4 @@
-// tessera surface: a closed surface of a 3D result.
+// tessera surface: writes a closed surface of a 3D result.
 #include "src/surface/surface.h"
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The commands that draw lines of a surface.
+// The commands that draw lines of a surface: contours and profile.
 #pragma once
 
 #include "src/front/apps/command.h"

@@ -55,14 +55,15 @@ Status run(const Command& command, const std::vector<Command>& commands, const s
     BOOST_OUTCOME_TRYV(load_settings_file(*file, all));
   }
   BOOST_OUTCOME_TRYV(command.run(command_line));
-  // What was printed must have arrived, or a pipeline would take half an answer for a whole one.
+  // All output must have been written. Otherwise a pipeline would take half an answer for a whole one.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     return error(Errc::io, "standard output: cannot be written");
   return success();
 }
 
-// A standard stream that is closed would become the number of the next file that is opened, and points be read from it
-// or lines written into it. For reading alone: what is written there still fails.
+// Opens /dev/null for each standard stream that is closed. Otherwise the next file that is opened would get its number,
+// and points would be read from that file, or lines written into it. The streams are opened for reading only, so
+// writing to a closed stream still fails.
 void occupy_standard_streams() {
   int file = 0;
   while (file >= 0 && file <= STDERR_FILENO) file = ::open("/dev/null", O_RDONLY);
@@ -71,7 +72,8 @@ void occupy_standard_streams() {
 
 int tessera_main(int argc, char** argv) {
   occupy_standard_streams();
-  // A write beyond the limit of `ulimit -f` shall be an error with a sentence, not the end.
+  // A write beyond the limit of `ulimit -f` becomes an error with a message, in place of a signal that kills the
+  // process.
   std::signal(SIGXFSZ, SIG_IGN);
   start_log();
 
@@ -82,7 +84,7 @@ int tessera_main(int argc, char** argv) {
   auto arguments = resolve_command(std::vector<std::string>(argv + std::min(argc, 1), argv + argc), names);
   if (!arguments) return fail(arguments.error(), false);
   try {
-    std::reverse(arguments.value().begin(), arguments.value().end());  // as the parser wants them
+    std::reverse(arguments.value().begin(), arguments.value().end());  // the parser takes them in reverse order
     app.parse(std::move(arguments).value());
   } catch (const CLI::Success& help) {
     const int status = app.exit(help);

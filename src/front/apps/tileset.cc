@@ -1,4 +1,4 @@
-// tessera tileset: a 2D result for 3D viewers.
+// tessera tileset: writes a 2D result for 3D viewers.
 #include "src/result/tileset/tileset.h"
 #include "src/front/apps/say.h"
 

@@ -1,4 +1,4 @@
-// tessera track: where the scanner of points was.
+// tessera track: estimates where the scanner of the points was.
 #include "src/surface/track/track.h"
 #include "src/base/json/json_text.h"
 
@@ -69,7 +69,7 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
   if (there && !overwrite) return error(Errc::usage, target + ": exists; --overwrite replaces it");
   JobOptions job;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
-  job.cloud.attributes = {"all"};  // none need be there: what is missing is told below
+  job.cloud.attributes = {"all"};  // asks for no attribute by name, because missing ones are reported below
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, job, interrupt.token()));
   Pulses pulses(cloud.schema());

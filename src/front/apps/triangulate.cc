@@ -1,4 +1,4 @@
-// tessera triangulate: point files in, result folder out.
+// tessera triangulate: makes a result folder from point files.
 #include <malloc.h>
 
 #include <cstdio>
@@ -26,15 +26,16 @@
 namespace tessera {
 namespace {
 
-// By default each thread gets a pool of its own from which little goes back, and what has been freed once is kept the
-// next time: 10 to 25 MiB that no account shows. More memory than this has room for it.
+// Makes malloc return more memory to the system, for jobs with little memory. By default each thread has a pool of its
+// own, which returns little, and freed blocks are kept for later: 10 to 25 MiB that no budget shows. Jobs with more
+// memory have room for that.
 void spare_memory(std::uint64_t memory_bytes) {
   if (memory_bytes >= std::uint64_t{1} << 30) return;
   mallopt(M_ARENA_MAX, 2);
   mallopt(M_MMAP_THRESHOLD, 256 << 10);
 }
 
-// What --resume says when there is nothing left to do.
+// Returns the output of --resume if nothing is left to do.
 std::string already_finished(const std::filesystem::path& out, bool json) {
   if (!json) return out.string() + ": is finished already, there is nothing to resume\n";
   const nlohmann::ordered_json line{{"event", "finished"}, {"output", out.string()}};

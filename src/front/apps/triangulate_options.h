@@ -1,4 +1,4 @@
-// What `tessera triangulate` was asked to do, checked; no file has been touched yet.
+// The options of `tessera triangulate`. Reading and checking them touches no input or output.
 #pragma once
 
 #include <filesystem>
@@ -20,19 +20,20 @@ struct TriangulateOptions {
   OutputOptions output;
 };
 
-// Options that say which points of which files; the dimension; what else the cloud is; and also what the tiles are:
-// `info` has them too.
+// Adds options that say which points of which files are taken.
 void add_source_options(Command& command);
-void add_dimension(Command& command);
+void add_dimension(Command& command);  // --dim
+// Adds the two groups above, and the options about resources and about what a result stores.
 void add_point_options(Command& command);
+// Adds add_point_options(), and the options about tiles and the crop box. `info` has these options, too.
 void add_cloud_options(Command& command);
-// Of those options that the command has.
+// Reads those of the options above that the command has.
 Status read_cloud_options(Settings& settings, JobOptions& options);
 
 void add_triangulate_options(Command& command);
 Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs);
 
-// Whether the points come from standard input, which cannot be read again.
+// Returns whether the points come from standard input, which cannot be read again.
 bool reads_standard_input(const TriangulateOptions& options);
 
 }  // namespace tessera

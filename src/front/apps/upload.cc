@@ -1,4 +1,4 @@
-// tessera upload: files here, as inputs for jobs of a daemon.
+// tessera upload: sends files to a daemon, as inputs for its jobs.
 #include "src/service/client/upload.h"
 #include "src/front/apps/say.h"
 
@@ -48,7 +48,7 @@ Status run_upload(Settings& settings, const std::vector<std::string>& files) {
   for (const auto& file : files) {
     const auto name = fs::path(file).filename().string();
     BOOST_OUTCOME_TRY(there, bytes_if_there(file));
-    const auto size = there.value_or(0);  // a pipe's is not known
+    const auto size = there.value_or(0);  // the size of a pipe is not known
     const auto line = percent_line("sending " + name + ":", output);
     const auto sent = upload(
         server, file, folder, name, [&](std::uint64_t bytes) { line(bytes, size); }, interrupt.token());

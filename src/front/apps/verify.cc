@@ -1,4 +1,4 @@
-// tessera verify: proves a result folder.
+// tessera verify: proves that a result folder is right.
 #include "src/result/verify/verify.h"
 
 #include <memory>

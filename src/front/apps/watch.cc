@@ -1,4 +1,4 @@
-// tessera watch and resume: a job of a daemon, as if it ran here.
+// tessera watch and resume: show a job of a daemon as if it ran here, and continue one.
 #include <memory>
 #include <string>
 #include <vector>

@@ -56,7 +56,7 @@ class Watch {
  public:
   explicit Watch(const OutputOptions& output) : output_(output) {}
 
-  // True when the job has ended.
+  // Shows an event. Returns true if the job has ended.
   Result<bool> take(const proto::Event& event) {
     if (event.kind() == "log") log_debug(event.text());
     if (!event.has_status()) return false;
@@ -69,7 +69,7 @@ class Watch {
     last_ = job;
     return has_ended(job);
   }
-  // The panel goes, so that something else can be said.
+  // Removes the panel from the terminal, so that other text can be printed.
   void pause() { display_.reset(); }
   const proto::StatusInfo& last() const { return last_; }
 
@@ -137,7 +137,7 @@ std::string command_for(const Settings& settings, const std::string& verb, const
   std::string text = "tessera " + verb + " " + id;
   if (settings.source("server") == Settings::Source::flag) {
     const auto address = parse_address(settings.text("server").value_or(""));
-    if (address) text += " --server " + address.value().text();  // without its token
+    if (address) text += " --server " + address.value().text();  // this text has no token
   }
   return "'" + text + "'";
 }
@@ -145,7 +145,7 @@ std::string command_for(const Settings& settings, const std::string& verb, const
 ProgressStyle progress_style(const OutputOptions& output) {
   if (output.quiet) return ProgressStyle::none;
   if (output.json) return ProgressStyle::json;
-  // Log lines would tear the panel apart.
+  // Log lines would break the panel into pieces.
   return isatty(STDERR_FILENO) != 0 && !output.verbose ? ProgressStyle::terminal : ProgressStyle::lines;
 }
 

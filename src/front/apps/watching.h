@@ -1,4 +1,4 @@
-// A job of a daemon, watched as if it ran here: the same progress, summary and exit statuses.
+// Watches a job of a daemon. Progress, summary and exit status are those of a job that runs here.
 #pragma once
 
 #include <stop_token>
@@ -11,20 +11,21 @@
 
 namespace tessera {
 
-// "tessera watch ID", with the server when a flag named it: what can be typed as it stands.
+// Returns a command that the user can type, as 'tessera watch ID' in quotes, with --server if a flag named the server.
 std::string command_for(const Settings& settings, const std::string& verb, const std::string& id);
 
-// How the display on this terminal looks.
+// Returns the style in which progress is shown on this terminal.
 ProgressStyle progress_style(const OutputOptions& output);
 
-// Tells that the job is there, for those who do not watch it.
+// Prints that the job was submitted, for --detach.
 void print_detached(const Settings& settings, const proto::StatusInfo& job, const OutputOptions& output);
 
-// Shows the job until it is successful. Errors: what made it fail, with its cause; interrupted when it was cancelled,
-// and when Ctrl-C ends the watching, which leaves the job alone and says how to look again; those of Server.
+// Shows the job's progress until the job is successful. Errors: that of a job that fails; interrupted if the job was
+// cancelled, and if Ctrl-C ends the watching, which does not end the job (the message says how to watch again); those
+// of Server.
 Result<proto::StatusInfo> await_job(Server& server, const Settings& settings, const std::string& id,
                                     const OutputOptions& output, const std::stop_token& stop);
-// The same, and then what came of it.
+// Does the same, and then prints the outcome of the job.
 Status watch_job(Server& server, const Settings& settings, const std::string& id, const OutputOptions& output);
 
 }  // namespace tessera

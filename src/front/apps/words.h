@@ -1,4 +1,4 @@
-// How the command names options in its sentences: as its flags.
+// The names of options in the messages of the command: its flags.
 #pragma once
 
 #include <string>
@@ -6,7 +6,8 @@
 
 namespace tessera {
 
-// ("memory", "") is "--memory", ("dim", "2") "--dim 2", ("overwrite", "true") "--overwrite", ("z", "false") "--no-z".
+// Returns how a message names the option `key`, with its `value` if there is one: "--memory" for ("memory", ""), "--dim
+// 2" for ("dim", "2"), "--overwrite" for ("overwrite", "true"), "--no-z" for ("z", "false").
 std::string flag_name(std::string_view key, std::string_view value);
 
 }  // namespace tessera

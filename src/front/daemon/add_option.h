@@ -1,4 +1,4 @@
-// An option of `tesserad`: a flag, a variable, and a key of the file, all of one name.
+// Adds an option of `tesserad`: a flag, a variable, and a key of the configuration file, all with the same name.
 #pragma once
 
 #include <CLI/CLI.hpp>

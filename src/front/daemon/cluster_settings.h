@@ -1,4 +1,4 @@
-// The options of `tesserad` that make it a process of a cluster.
+// The options of `tesserad` that make it a member of a cluster.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,8 @@ class App;
 namespace tessera {
 
 void add_cluster_options(CLI::App& app, Settings& settings);
-// None: it is to be alone. Error usage names the source and what is wrong; io, usage for certificates.
+// Returns the options; no value if the daemon is to work alone. Errors: usage, with the source and the reason; io and
+// usage for certificates.
 Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& settings, const std::filesystem::path& data);
 
 }  // namespace tessera

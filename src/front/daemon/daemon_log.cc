@@ -17,7 +17,7 @@
 namespace tessera {
 namespace {
 
-// One line a message, whatever is in it: what callers send may hold line ends and colours.
+// Writes each message as one line. Messages contain text from callers, which may have line ends and control sequences.
 class OneLine final : public spdlog::formatter {
  public:
   OneLine(bool json, bool insecure) : json_(json), insecure_(insecure) {}

@@ -5,7 +5,7 @@ namespace tessera {
 
 inline constexpr const char* daemon_log_name = "tesserad";
 
-// `insecure`: every line says so.
+// Must be called once, before the first line. `insecure`: every line says that the daemon is insecure.
 void start_daemon_log(bool json, bool insecure);
 
 }  // namespace tessera

@@ -107,7 +107,7 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   add_switch(app, top, "print-token",
              "print the address with a token also when stdout is no terminal: pipes and logs keep it");
   add_cluster_options(app, top);
-  // Of these there are variables and keys alone: nobody types them.
+  // These have only variables and keys, because users hardly type them.
   for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"})
     settings.limits.declare(key);
 }

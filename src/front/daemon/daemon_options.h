@@ -16,28 +16,27 @@ class App;
 
 namespace tessera {
 
-// Where and as what it takes part in a cluster: the rest of ClusterOptions follows from where it runs.
 struct DaemonOptions {
-  ServiceOptions service;  // its cluster included, also when this process only works for one
+  ServiceOptions service;  // with the options of the cluster, also for a process that only works for a cluster
   http::ServerOptions http;
   bool json_log = false;
-  bool print_token = false;  // also where it is no terminal that reads it
+  bool print_token = false;  // print the token also if stdout is no terminal
 };
 
-// What the sources say, as text, until all have been asked.
+// The text that the sources have for each option.
 struct DaemonSettings {
   Settings top{"", "TESSERAD_"};
   Settings limits{"limits", "TESSERAD_LIMITS_"};
 };
 
 void add_daemon_options(CLI::App& app, DaemonSettings& settings);
-// Reads environment and file, too. Error usage names the source and what is wrong.
+// Returns the checked options, from flags, environment and file. Error usage, with the source and the reason.
 Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
                                           const std::function<const char*(const char*)>& get_environment);
 
-// "127.0.0.1:7070", "[::1]:7070", "7070" for the loopback.
+// Parses "127.0.0.1:7070", "[::1]:7070", or "7070", which is on the loopback. Error usage.
 Result<http::ListenOptions> parse_listen_address(std::string_view text);
-// Seconds: "90", "90s", "15m", "12h", "30d"; "forever" is 0.
+// Parses "90", "90s", "15m", "12h", "30d"; "forever" is 0. Returns seconds. Error usage.
 Result<std::uint64_t> parse_duration(std::string_view text);
 
 }  // namespace tessera

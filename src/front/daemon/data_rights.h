@@ -1,4 +1,4 @@
-// Who but the daemon's user may look into its data folder.
+// Finds out which other users may enter the data folder of a daemon.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace tessera {
 
-// A sentence for the log; nothing when nobody else may, or there is no folder yet: tesserad makes it for its user
-// alone. One that is there keeps its rights, for whoever gave it others may have meant them. The group of the daemon
-// itself may enter: volumes of Kubernetes are its. Error io.
+// Returns a sentence for the log if other users may enter the folder; no value if none may, or if there is no folder
+// yet (tesserad makes it for its user alone). An existing folder keeps its rights, because they may be intended. The
+// daemon's own group may enter: volumes of Kubernetes belong to it. Error io.
 Result<std::optional<std::string>> who_else_may_enter(const std::filesystem::path& data);
 
 }  // namespace tessera

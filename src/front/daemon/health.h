@@ -1,4 +1,4 @@
-// Asks a daemon whether it can take jobs: for containers and supervisors.
+// Asks a daemon whether it can take jobs. Containers and supervisors use this.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 namespace tessera {
 
-// GET /readyz at `address` ("127.0.0.1:7071"), silent for five seconds at most. Error usage for what is no address; io
-// when nobody answers, or what the daemon says is missing.
+// Sends GET /readyz to `address` ("127.0.0.1:7071"), and waits at most five seconds for an answer. Success if the
+// daemon is ready. Errors: usage for a malformed address; io if there is no answer, or with the daemon's reason why it
+// is not ready.
 Status check_health(const std::string& address);
 
 }  // namespace tessera

@@ -32,10 +32,10 @@ constexpr std::size_t groups_max = 8, text_max = 256, path_max = 512;
 
 enum class End : std::uint32_t { none, in_order, told };
 
-// A control group, and how many processes the kernel had killed in it for want of memory.
+// A control group, with the number of processes that the kernel had killed in it for want of memory.
 struct Group {
   char path[path_max];
-  std::uint64_t identity;  // of its folder: one of the same name that is made later is another
+  std::uint64_t identity;  // the inode of its folder, which tells it from a later group with the same name
   std::uint64_t kills;
 };
 
@@ -51,7 +51,8 @@ std::string text_of(const char (&from)[size]) {
   return {from, ::strnlen(from, size)};
 }
 
-// Of cgroup v2 with all groups below it; of v1 of the group alone.
+// Returns how many processes the kernel has killed for want of memory: with cgroup v2 in the group and all groups below
+// it, with v1 in the group alone. No value if that is not known.
 std::optional<std::uint64_t> kills_in(const std::string& group) {
   for (const char* name : {"/memory.events", "/memory.oom_control"}) {
     std::ifstream file(group + name);
@@ -65,11 +66,11 @@ std::optional<std::uint64_t> kills_in(const std::string& group) {
 }
 
 std::uint64_t identity_of(const std::string& folder) {
-  const auto found = look_at(folder);  // what cannot be told is told apart from nothing
+  const auto found = look_at(folder);  // an error if the system cannot tell; no value if there is no folder
   return found && found.value() ? found.value()->st_ino : 0;
 }
 
-// Those around this process, the innermost first.
+// Returns the control groups around this process, the innermost first.
 std::vector<std::string> groups_of_this_process() {
   std::vector<std::string> groups;
   std::ifstream file("/proc/self/cgroup");
@@ -98,7 +99,7 @@ struct LastWords::Record {
   std::uint32_t end;     // an End
   std::uint32_t signal;  // 0: none
   char how[text_max];
-  std::uint32_t doing_now;  // which of the two
+  std::uint32_t doing_now;  // which of the two texts below counts
   char doing[2][text_max];
   Group groups[groups_max];
 
@@ -113,7 +114,7 @@ struct LastWords::Record {
 };
 std::atomic<LastWords::Record*> LastWords::Record::kept{nullptr};
 
-// What is true of the innermost group that is still there.
+// Returns what the innermost control group that still exists tells about want of memory.
 std::string LastWords::Record::memory_words() const {
   for (std::size_t i = 0; i < groups_max; ++i) {
     const std::string path = text_of(groups[i].path);
@@ -148,7 +149,7 @@ std::string LastWords::Record::words() const {
   return was.empty() ? words : words + ", while " + was;
 }
 
-// Once: then as if it had not been heard.
+// Records the signal and raises it again. The handler is gone then (SA_RESETHAND), so the signal ends the process.
 void LastWords::Record::on_signal(int number) {
   if (Record* const record = kept.load(); record && record->signal == 0)
     record->signal = static_cast<std::uint32_t>(number);
@@ -166,7 +167,7 @@ Result<std::unique_ptr<LastWords>> LastWords::keep(const std::filesystem::path& 
   const auto path = last_words_file(scratch);
   BOOST_OUTCOME_TRY(file, open_handle(path, O_RDWR | O_CREAT | O_NOFOLLOW));
   BOOST_OUTCOME_TRY(size, size_of(file, path));
-  // Sized before it is mapped, with its blocks: a full disk must not be found out by a signal.
+  // The blocks of the file are allocated before it is mapped. Otherwise a write on a full disk would raise SIGBUS.
   if (const int failed = ::posix_fallocate(file.get(), 0, sizeof(Record)); failed != 0)
     return io_error(path, "cannot be written", failed);
   Record* const record = Record::map(file, PROT_READ | PROT_WRITE, MAP_SHARED);
@@ -195,12 +196,12 @@ Result<std::unique_ptr<LastWords>> LastWords::keep(const std::filesystem::path& 
 }
 
 LastWords::~LastWords() {
-  ends("ended by an exception");  // else it has been said
+  ends("ended by an exception");  // has no effect if another end was recorded before
   Record::kept = nullptr;
   ::munmap(record_, sizeof(Record));
 }
 
-// The other text is written whole before it counts.
+// Writes the text that does not count at the moment, and only then lets it count.
 void LastWords::doing(std::string_view what) {
   const std::uint32_t other = 1 - record_->doing_now % 2;
   put(record_->doing[other], what);

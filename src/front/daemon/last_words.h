@@ -1,8 +1,8 @@
-// How a process has ended, for the next one on the same scratch. It keeps a record there, in memory that outlives it:
-// what it is doing, that it ends and why, or the signal that ends it. Where a record says nothing, nothing could be
-// said: of the ways in which a process ends only SIGKILL leaves it no word, and an overflow of a stack. Whether the
-// kernel has killed for want of memory, the control groups tell that were there before and still are. No other process
-// is needed, so it is the same under systemd, as PID 1 of a container, and under `tessera cluster up`.
+// Tells a process how the process before it on the same scratch folder has ended. Each process keeps a record in a
+// mapped file, which outlives the process: what it is doing, that it ends and why, or the signal that ends it. Only
+// SIGKILL and a stack overflow leave no time to write the record, so a record without an end means one of these. The
+// control groups of the process tell whether the kernel has killed for want of memory. No other process is needed, so
+// this works under systemd, as PID 1 of a container, and under `tessera cluster up` alike.
 #pragma once
 
 #include <cstddef>
@@ -17,22 +17,24 @@ namespace tessera {
 
 class LastWords {
  public:
-  // Reads what the process before has left, and begins a record of its own. From now on signals by which a process ends
-  // unless it heeds them leave their number in it, and end it all the same. One at a time. Error io.
+  // Reads the record of the process before, and begins a new one. From now on each signal that ends a process by
+  // default writes its number into the record, and ends the process all the same. SIGTERM and SIGINT are left out; see
+  // end_by(). Only one LastWords may exist at a time. Error io.
   static Result<std::unique_ptr<LastWords>> keep(const std::filesystem::path& scratch);
   ~LastWords();
   LastWords(const LastWords&) = delete;
   LastWords& operator=(const LastWords&) = delete;
 
-  // "was killed (SIGKILL), ..."; empty when the one before ended in order, or there was none.
+  // Returns how the process before ended: "was killed (SIGKILL), ..."; "" if it ended in order, or there was none.
   const std::string& before() const { return before_; }
-  // "splaying tiles of 2 jobs". By one thread.
+  // Records what the process is doing: "splaying tiles of 2 jobs". REQUIRES: always the same thread.
   void doing(std::string_view what);
-  // It ends, and not in order: "ended with status 4: ...".
+  // Records that the process ends, and not in order: "ended with status 4: ...". The first call of either ends()
+  // counts.
   void ends(std::string_view how);
-  // It ends in order, or with what went wrong. After other words it changes nothing.
+  // Records that the process ends in order (success), or with an error.
   void ends(const Status& served);
-  // A signal that was heeded so far ends the process from now on.
+  // From now on this signal ends the process, and is recorded. For signals that the process has handled so far.
   static void end_by(int signal);
 
  private:

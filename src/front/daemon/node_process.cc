@@ -31,9 +31,9 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::milliseconds telling{500};  // of what it does
+constexpr std::chrono::milliseconds telling{500};  // between two records of what the process does
 
-// For its last words.
+// Returns what the process does, as a text for LastWords::doing().
 std::string in_words(const NodeWork& work) {
   if (work.parts == 0) return "without tiles";
   return "at work on tiles of " + std::to_string(work.parts) + (work.parts == 1 ? " job (" : " jobs (") +
@@ -83,7 +83,7 @@ class Health final : public http::NodeHealth {
 }  // namespace
 
 Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
-  // What somebody else put into it would be read, and links of theirs followed.
+  // The folder must be private. Otherwise the process would read files of other users, and follow their links.
   BOOST_OUTCOME_TRYV(make_private_folder(scratch));
   BOOST_OUTCOME_TRY(lock, FolderLock::take(scratch));
   FolderReader reader(scratch);
@@ -136,7 +136,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   signals.async_wait([&](const boost::system::error_code& error, int signal) {
     if (error) return;
     leaves = true;
-    LastWords::end_by(SIGTERM);  // a second one, at once
+    LastWords::end_by(SIGTERM);  // a second signal ends the process at once
     LastWords::end_by(SIGINT);
     spdlog::info("signal {}: leaves the cluster when others have its tiles", signal);
     supervisor::stopping();
@@ -172,8 +172,8 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   if (most) beat();
   const auto work = boost::asio::make_work_guard(context);
   context.run();
-  watch.reset();   // it asks the engine
-  server.reset();  // before it begins anew: an open socket would stay with the process
+  watch.reset();   // before the engine, which it uses
+  server.reset();  // before begin_anew(): an open socket would stay with the process
   if (again) begin_anew();
   supervisor::stopping();
   engine.reset();

@@ -1,4 +1,4 @@
-// A process that only works for a cluster: no API, no jobs of its own, but health and figures.
+// A process that only works for a cluster. It has no API and no jobs of its own, but health checks and metrics.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,15 @@
 
 namespace tessera {
 
-// The folder of tiles not in memory, for this process alone; what an earlier one has left in it goes. Errors: usage
-// when another process has it; io.
+// Takes the folder for tiles that are not in memory, for this process alone, and removes what earlier processes have
+// left there. Errors: usage if another process has the folder; io.
 Result<FolderLock> take_scratch(const std::filesystem::path& scratch);
 
-// Works until it is drained (success), which SIGTERM and SIGINT ask for, too, and then for no longer than the cluster's
-// drain_timeout; or until the others count it as lost: `begin_anew`, which should not return, unless it was to end.
-// REQUIRES: its scratch is taken, and `words` are kept there. Of `http` the listeners for operations are its own.
-// Errors as of Engine::join() and Server::start().
+// Works until the node is drained, and returns success. SIGTERM and SIGINT ask for that, too; then the process ends
+// after the cluster's drain_timeout at the latest. If the others count the node as lost and it may come back, calls
+// `begin_anew`, which should not return; but not after SIGTERM or SIGINT.
+// REQUIRES: the scratch folder is taken, and `words` are kept there. Only the listeners of `http` for operations are
+// used. Errors: those of Engine::join() and Server::start().
 Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,
                   const std::function<void()>& begin_anew);
 

@@ -1,5 +1,5 @@
-// What a process of the daemon says in its log by itself: that it takes no jobs any more, or takes them again; that its
-// certificate ends soon.
+// Watches a process of the daemon, and writes to its log when the process takes no jobs any more, when it takes jobs
+// again, and when its certificate ends soon.
 #pragma once
 
 #include <condition_variable>
@@ -15,7 +15,9 @@ namespace tessera {
 
 class ProcessWatch {
  public:
-  // `unready`: as of /readyz; outlives this. `certificate`: of the cluster; none: no cluster.
+  // `unready` returns the reason why the process is not ready, as for /readyz; objects that it uses must outlive this
+  // one. `certificate`: that of the cluster; empty without a cluster. `certificate_end_s`: when it ends, in seconds
+  // since 1970.
   ProcessWatch(std::function<std::optional<std::string>()> unready, std::filesystem::path certificate,
                std::uint64_t certificate_end_s);
 
@@ -27,10 +29,11 @@ class ProcessWatch {
   std::function<std::optional<std::string>()> unready_;
   std::filesystem::path certificate_;
   std::uint64_t certificate_end_s_;
-  bool ready_ = true;  // as told last
+  bool ready_ = true;  // as the log said last
   std::mutex mutex_;
   std::condition_variable_any stopped_;
-  // Of its own: the folder that is looked at may be one of a file server that does not answer. Last: it ends first.
+  // A thread of its own, because the data folder may be on a file server that does not answer. It is the last member,
+  // so that it ends before the others are destroyed.
   std::jthread thread_;
 };
 

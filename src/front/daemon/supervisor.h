@@ -1,4 +1,4 @@
-// What systemd, or another supervisor that speaks its protocol, is told (sd_notify(3)). Without one nothing happens.
+// Messages to systemd, or to another supervisor that uses its protocol (sd_notify(3)). They do nothing without one.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@ void ready(const std::string& status);
 void reloading();
 void stopping();
 void alive();
-// How often alive() is expected at least; nothing when nobody waits for it.
+// Returns the longest time between two calls of alive() that the supervisor accepts; no value if it expects no calls.
 std::optional<std::chrono::microseconds> watchdog();
 
 }  // namespace tessera::supervisor

@@ -1,6 +1,6 @@
-// The daemon `tesserad`: jobs over HTTP. Runs until SIGTERM or SIGINT: then requests drain, and jobs stop where they
-// can be resumed, which the next start does. SIGHUP reads tokens and certificate again. What only works for a cluster
-// hands over its tiles first (node_process.h).
+// The daemon `tesserad`: jobs over HTTP. It runs until SIGTERM or SIGINT. Then requests drain, jobs stop where they can
+// be resumed, and the next start resumes them. SIGHUP reads tokens and certificate again. A process that only works for
+// a cluster hands over its tiles before it ends (node_process.h).
 #include <malloc.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -44,7 +44,7 @@ namespace {
 
 constexpr std::chrono::seconds drain_time{10};
 
-// `json`: as lines of the log.
+// Reports an error on stderr, with `json` as a line of the log, and returns the exit status.
 int fail(const Error& error, bool json = false) {
   const std::string sentence = render(error.where, flag_name);
   if (json) {
@@ -56,7 +56,7 @@ int fail(const Error& error, bool json = false) {
   return static_cast<int>(error.code);
 }
 
-// "http://127.0.0.1:7070/": where users find the API.
+// Returns the address of the API for users: "http://127.0.0.1:7070/".
 std::string address_of(const http::ServerOptions& options, std::uint16_t port) {
   if (!options.public_url.empty())
     return options.public_url.back() == '/' ? options.public_url : options.public_url + "/";
@@ -65,7 +65,8 @@ std::string address_of(const http::ServerOptions& options, std::uint16_t port) {
          (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port) + "/";
 }
 
-// Until a signal ends it. Signals are caught from its beginning, and heeded when it runs.
+// Runs the daemon until a signal ends it. Signals are caught as soon as the object exists, and handled in run() and
+// pause().
 class Life {
  public:
   void run(Service& service, http::Server& server) {
@@ -76,7 +77,7 @@ class Life {
     context_.run();
   }
 
-  // Whether no signal to end has come until then. REQUIRES: it does not run yet.
+  // Waits so long, or until a signal to end comes. Returns whether no such signal came. REQUIRES: run() was not called.
   bool pause(std::chrono::milliseconds time) {
     bool goes_on = true;
     const std::function<void()> listen = [&] {
@@ -94,7 +95,7 @@ class Life {
     signals_.cancel();
     timer_.cancel();
     context_.restart();
-    context_.poll();  // what was cancelled
+    context_.poll();  // runs the handlers of the cancelled operations
     context_.restart();
     return goes_on;
   }
@@ -105,7 +106,7 @@ class Life {
       if (error) return;
       if (signal != SIGHUP) {
         spdlog::info("signal {}: ends; jobs stop where they can be resumed", signal);
-        LastWords::end_by(SIGTERM);  // a second one, at once
+        LastWords::end_by(SIGTERM);  // a second signal ends the process at once
         LastWords::end_by(SIGINT);
         context_.stop();
         return;
@@ -121,7 +122,8 @@ class Life {
     });
   }
 
-  // The service is asked something that needs its lock: a daemon that hangs is not alive.
+  // Tells the supervisor again and again that the daemon is alive. Each time it asks the service for something that
+  // needs the service's lock, so a daemon that hangs is not reported alive.
   void beat(std::chrono::microseconds pause) {
     (void)service_->figures();
     supervisor::alive();
@@ -138,7 +140,7 @@ class Life {
   boost::asio::steady_timer timer_{context_};
 };
 
-// Waits for a data folder that another process has, until that one ends or is silent for long enough.
+// Waits for a data folder that another process holds, until that process ends or has been silent for long enough.
 class Turn {
  public:
   Turn(Life& life, std::chrono::milliseconds lease) : life_(life), until_(Clock::now() + lease * 5 / 4) {}
@@ -151,7 +153,7 @@ class Turn {
     given_up_ = !life_.pause(between_looks);
     return !given_up_;
   }
-  // By a signal.
+  // Returns whether a signal ended the waiting.
   bool given_up() const { return given_up_; }
 
  private:
@@ -161,7 +163,8 @@ class Turn {
   bool told_ = false, given_up_ = false;
 };
 
-// What this process believes of its data folder is wrong from now on, so that it must not even end in order.
+// Ends the process at once, because another process has taken over the data folder. An orderly end would write to the
+// folder.
 [[noreturn]] void end_without_data_folder(const Error& why, LastWords* words) {
   spdlog::critical("{}; ends with status {}", why.where, static_cast<int>(why.code));
   spdlog::default_logger()->flush();
@@ -182,8 +185,9 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   BOOST_OUTCOME_TRY(service, std::move(opened));
   BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
   const std::string address = address_of(options.http, server->ports().front());
-  // On stdout, once, for the one who started it; never in the log, which is where a service manager sends what it reads
-  // from a pipe. Behind '#' no browser sends it, so that it is in no log of a proxy either.
+  // The token is printed once, on stdout, for the user who starts the daemon in a terminal. It must not reach a log: a
+  // service manager logs what it reads from a pipe. Browsers do not send what stands behind '#', so the token is in no
+  // log of a proxy either.
   if (const std::string token = server->token(); !token.empty() && (options.print_token || ::isatty(STDOUT_FILENO))) {
     std::printf("%s#token=%s\n", address.c_str(), token.c_str());
     std::fflush(stdout);
@@ -226,11 +230,11 @@ Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
 int tesserad_main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  // Jobs, results and uploads are for this user alone, whatever the umask of who starts it.
+  // Jobs, results and uploads are for this user alone, whatever the inherited umask is.
   ::umask(077);
-  // As for the command: pools of each thread keep what no account shows.
+  // Each thread's malloc pool keeps memory that no budget shows, so there are few pools. The command does the same.
   mallopt(M_ARENA_MAX, 4);
-  raise_open_files_limit();  // a shell's is too small for connections and jobs together
+  raise_open_files_limit();  // the limit of a shell is too small for connections and jobs together
   CLI::App app("Exact Delaunay triangulations as a service: jobs over HTTP.", "tesserad");
   app.set_version_flag("--version", std::string("tesserad ") + version());
   DaemonSettings settings;
@@ -254,7 +258,7 @@ int tesserad_main(int argc, char** argv) {
   auto options = read_daemon_options(settings, [](const char* name) { return std::getenv(name); });
   if (!options) return fail(options.error(), settings.top.text("log") == "json");
   const bool json = options.value().json_log;
-  // The same program with the same options: nothing of the node that was lost stays.
+  // Starts the same program with the same options in this process, so that nothing of the lost node stays.
   const auto begin_anew = [argv] {
     ::execv("/proc/self/exe", argv);
     std::fprintf(stderr, "tesserad: cannot begin anew\n");

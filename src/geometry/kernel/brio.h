@@ -1,4 +1,4 @@
-// Insertion order: biased randomised rounds (BRIO) over points given in Hilbert order.
+// The order of insertion: biased randomised rounds (BRIO) over points that are given in Hilbert order.
 // Source: Amenta, Choi, Rote, Incremental constructions con BRIO, SoCG 2003.
 #pragma once
 
@@ -9,18 +9,18 @@
 
 namespace tessera {
 
-// Calls insert(i) for each i in 0..n-1 once: a random eighth of an eighth ... first, each round in increasing i. The
-// rounds keep the expected cost low for every input, increasing i keeps each walk short. Deterministic. Each round is
-// 2^round_bits times as large as the one before.
+// Calls insert(i) once for each i in 0..n-1, in rounds. Each round is a random subset, 2^round_bits times as large as
+// the round before, and goes through its indices in increasing order. The rounds keep the expected cost low for every
+// input. The increasing order keeps each walk short. The order is deterministic.
 template <int round_bits = 3, class Insert>
 void for_each_in_brio_order(std::size_t n, Insert&& insert) {
-  constexpr int rounds = 24 / round_bits;  // of eighths: the first round of 10 M points holds about 5
-  constexpr std::size_t small = 64;        // not worth any order
+  constexpr int rounds = 24 / round_bits;  // with 3 bits: the first round of 10 M points holds about 5
+  constexpr std::size_t small = 64;        // so few points need no order
   if (n <= small) {
     for (std::size_t i = 0; i < n; ++i) insert(i);
     return;
   }
-  const auto round_of = [](std::uint64_t i) {  // splitmix64: its trailing zeros are geometrically distributed
+  const auto round_of = [](std::uint64_t i) {  // splitmix64; the number of trailing zeros is geometrically distributed
     i += 0x9e3779b97f4a7c15u;
     i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9u;
     i = (i ^ (i >> 27)) * 0x94d049bb133111ebu;
@@ -28,7 +28,7 @@ void for_each_in_brio_order(std::size_t n, Insert&& insert) {
     const int r = std::countr_zero(i) / round_bits;
     return r < rounds ? r : rounds - 1;
   };
-  std::array<std::vector<std::uint32_t>, rounds> early;  // all rounds but the last, which is most of the points
+  std::array<std::vector<std::uint32_t>, rounds> early;  // the rounds before the last; the last round has most points
   for (std::size_t i = 0; i < n; ++i) {
     if (const int r = round_of(i); r > 0) early[r].push_back(static_cast<std::uint32_t>(i));
   }

@@ -1,4 +1,4 @@
-// The cells of a tile one after the other, for whoever writes them down: nobody need have them as arrays.
+// A source of a tile's cells, one after the other. A reader that writes cells to a file needs no arrays of them.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace tessera {
 
-// Both in the order of the tile's mesh, in pieces of whole rows of dimension + 1 numbers. The first failure of `take`
-// ends it and is returned.
+// Both functions call `take` with the numbers in the order of the tile's mesh. Each call gets whole rows of dimension +
+// 1 numbers. When `take` fails, the function stops and returns that failure.
 class CellStream {
  public:
   using Take = std::function<Status(std::span<const std::int32_t>)>;
   virtual ~CellStream() = default;
-  virtual Status vertices(const Take& take) const = 0;   // as TileMesh::cells
-  virtual Status neighbors(const Take& take) const = 0;  // as TileMesh::neighbors
+  virtual Status vertices(const Take& take) const = 0;   // the numbers of TileMesh::cells
+  virtual Status neighbors(const Take& take) const = 0;  // the numbers of TileMesh::neighbors
 };
 
 }  // namespace tessera

@@ -23,26 +23,26 @@ Point draw_point(const std::string& kind, int d, std::size_t n, Draw& r) {
   Point p;
   if (kind == "uniform") {
     for (int i = 0; i < d; ++i) p[i] = r.real();
-  } else if (kind == "lattice") {  // every cell cospherical
+  } else if (kind == "lattice") {  // all cells are cospherical
     for (int i = 0; i < d; ++i) p[i] = r.integer(side);
-  } else if (kind == "sphere") {  // cospherical to rounding
+  } else if (kind == "sphere") {  // cospherical up to rounding
     double norm = 0;
     for (int i = 0; i < d; ++i) p[i] = r.real() * 2 - 1, norm += p[i] * p[i];
     for (int i = 0; i < d; ++i) p[i] /= std::sqrt(norm);
-  } else if (kind == "clusters") {  // empty tiles and huge shared cells between
+  } else if (kind == "clusters") {  // empty tiles, and huge shared cells between clusters
     const double at = r.integer(3) * 1e6;
     for (int i = 0; i < d; ++i) p[i] = at + r.real();
-  } else if (kind == "slab") {  // a terrain: flat, quantised
+  } else if (kind == "slab") {  // like terrain: flat and quantised
     for (int i = 0; i < d; ++i) p[i] = std::round(r.real() * (i == d - 1 ? 3 : 1000)) * 0.01 + 650000;
-  } else if (kind == "planes") {  // coplanar and collinear
+  } else if (kind == "planes") {  // many coplanar and collinear points
     for (int i = 0; i < d; ++i) p[i] = r.integer(10 * side);
     p[d - 1] = r.integer(2);
-  } else if (kind == "curve") {  // quadratic number of cells in 3D
+  } else if (kind == "curve") {  // has a quadratic number of cells in 3D
     const double t = r.integer(static_cast<int>(2 * n));
     p = {t, t * t, d == 3 ? t * t * t : 0};
-  } else if (kind == "jitter") {  // a lattice one ulp off
+  } else if (kind == "jitter") {  // a lattice with coordinates off by one ulp
     for (int i = 0; i < d; ++i) p[i] = std::nextafter(r.integer(side) + 100, 1e9 * (r.real() - 0.5));
-  } else {  // corners: points on a few lattice planes, where boxes meet
+  } else {  // "corners": points on a few lattice planes, where boxes meet
     for (int i = 0; i < d; ++i) p[i] = r.integer(3) * 16 + (r.real() < 0.3 ? r.integer(16) : 0);
   }
   return p;

@@ -1,4 +1,4 @@
-// Small seeded clouds that stress the exchange: degenerate first.
+// Small random clouds for tests, reproducible from a seed. Most kinds are degenerate, to stress the exchange.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,14 @@
 
 namespace tessera {
 
-// uniform, lattice, sphere, clusters, slab, planes, curve, jitter, corners: see clouds.cc.
+// The names of all kinds: uniform, lattice, sphere, clusters, slab, planes, curve, jitter, corners. clouds.cc describes
+// them.
 const std::vector<std::string>& cloud_kinds();
 
-// About n distinct points that span the space, as LocalPoint with ids 0.. in a shuffled order. REQUIRES: kind is one of
+// About n distinct points that span the space, in a random order, with ids from 0. REQUIRES: kind is one of
 // cloud_kinds(), n > dimension.
 std::vector<LocalPoint> make_cloud(const std::string& kind, int dimension, std::size_t n, std::uint64_t seed);
-// x, y (, z) of each point, as array_source() takes them.
+// The coordinates x, y (and z in 3D) of all points, in the layout that array_source() takes.
 std::vector<double> coordinates_of(const std::vector<LocalPoint>& cloud, int dimension);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// The right answer: CGAL's triangulation of all points, as a set of cells of source indices.
+// The right answer for tests: CGAL's triangulation of all points, as a set of cells of source indices.
 #pragma once
 
 #include <array>
@@ -13,19 +13,21 @@
 
 namespace tessera {
 
-// Sorted ids; 2D cells are padded with infinite_id, which also stands for the infinite vertex.
+// A cell as sorted ids. infinite_id pads cells in 2D, and also stands for the infinite vertex.
 using IdCell = std::array<PointId, 4>;
 inline constexpr PointId infinite_id{~std::uint64_t{0}};
 
-// Finite cells, sorted. Equal points become one vertex with the lowest id. Empty when the points span no volume.
+// The finite cells of the triangulation, sorted. Points with equal coordinates are one vertex, with the lowest id.
+// Empty when the points do not span space.
 std::vector<IdCell> global_delaunay(std::span<const LocalPoint> points, int dimension);
-// Infinite ones too.
+// The same with infinite cells.
 std::vector<IdCell> global_delaunay_with_hull(std::span<const LocalPoint> points, int dimension);
 
-// The main cells of all meshes, sorted; a cell that is main twice is there twice.
+// The main cells of all meshes, sorted. A cell that is main in two meshes is listed twice.
 std::vector<IdCell> main_cells(std::span<const TileMesh> meshes);
 
-// What differs, for people: "missing (1 2 3 4), 3 more; extra ..." or "" when equal.
+// Describes how two sorted lists differ: "missing 4: (1 2 3 4) ...; extra 2: ...", with up to 5 cells each. "" when the
+// lists are equal.
 std::string difference(const std::vector<IdCell>& expected, const std::vector<IdCell>& got);
 
 }  // namespace tessera

@@ -91,7 +91,7 @@ class MemorySource : public ByteSource {
 }  // namespace
 
 Result<std::unique_ptr<ByteSource>> open_file(const std::filesystem::path& path) {
-  // Non-blocking, or opening a named pipe without a writer would hang; regular files do not care.
+  // O_NONBLOCK: otherwise opening a named pipe without a writer would hang. It does not affect regular files.
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return error(Errc::io, path.string() + ": cannot be opened: " + reason(errno));
   return open_descriptor(path, file, path);

@@ -1,5 +1,4 @@
-// Where a reader's bytes come from: a file, what a compressed file or standard input was written to, or memory in
-// tests.
+// The bytes that a reader reads: a file, the unpacked content of a compressed file or of standard input, or memory.
 #pragma once
 
 #include <cstddef>
@@ -14,38 +13,41 @@
 
 namespace tessera {
 
-// Random access to `size()` bytes that must not change while they are read.
+// Random access to size() bytes, which must not change while they are read. Const functions are thread-safe.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
   virtual const std::filesystem::path& path() const = 0;
-  virtual std::uint64_t size() const = 0;        // when it was opened
-  virtual std::int64_t modified_ns() const = 0;  // since 1970, when it was opened
-  // Of a compressed file the three above speak of what is in it (size) and of itself (path, modified_ns). Then:
-  virtual std::uint64_t stored_bytes() const { return size(); }          // its own size
-  virtual std::string packing() const { return ""; }                     // "gzip" or "zstd"
-  virtual std::filesystem::path content_name() const { return path(); }  // "a.xyz" of a.xyz.gz; empty: nobody knows
-  // Fills `out` with the bytes from `offset` on. Error bad_input if the file has become shorter than that, io if the
+  virtual std::uint64_t size() const = 0;        // in bytes, when the source was opened
+  virtual std::int64_t modified_ns() const = 0;  // nanoseconds since 1970, when the source was opened
+  // For a compressed file size() is that of the content; path() and modified_ns() are those of the file. The next
+  // three:
+  virtual std::uint64_t stored_bytes() const { return size(); }          // the size of the compressed file
+  virtual std::string packing() const { return ""; }                     // "gzip" or "zstd"; "" if not compressed
+  virtual std::filesystem::path content_name() const { return path(); }  // "a.xyz" for a.xyz.gz; empty if unknown
+  // Fills `out` with the bytes from `offset` on. Errors: bad_input if the file has become shorter than that; io if the
   // system refuses. REQUIRES: offset + out.size() <= size().
   virtual Status read(std::uint64_t offset, std::span<std::byte> out) const = 0;
-  // Error bad_input if size or modification time are no longer those of the opening. Readers call it at the end, so
-  // that a file rewritten meanwhile does not pass for a cloud that never was.
+  // Error bad_input if size or modification time have changed since the opening. Readers call this at the end, so that
+  // a file that was rewritten meanwhile is not taken for a valid cloud.
   virtual Status check_unchanged() const = 0;
 };
 
-// Errors: missing, unreadable (io), a directory, not a regular file (bad_input).
+// Opens a file. Errors: io for a missing or unreadable file; bad_input for a folder, or what is not a regular file.
 Result<std::unique_ptr<ByteSource>> open_file(const std::filesystem::path& path);
 
-// What the open descriptor `file` gives from its begin; it is closed at the end, also on error. Errors as above.
+// A source of what the open descriptor `file` gives from its beginning. The source closes the descriptor at its end,
+// and the function closes it on error. Errors: as for open_file().
 Result<std::unique_ptr<ByteSource>> open_descriptor(const std::filesystem::path& path, int file,
                                                     const std::filesystem::path& content_name);
 
-// ByteSource::read for an open descriptor; errors name `path`.
+// ByteSource::read() for an open descriptor. Errors name `path`.
 Status read_at(int file, std::uint64_t offset, std::span<std::byte> out, const std::filesystem::path& path);
 
-// A source that several readers share.
+// A source over another source that several readers share.
 std::unique_ptr<ByteSource> share(std::shared_ptr<const ByteSource> source);
 
+// A source of bytes in memory, for tests.
 std::unique_ptr<ByteSource> memory_source(std::filesystem::path name, std::vector<std::byte> bytes);
 
 }  // namespace tessera

@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-// In the order of AttributeType.
+// The types in the order of AttributeType.
 using Types = std::tuple<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
                          std::uint64_t, std::int64_t, float, double>;
 constexpr std::size_t type_count = std::tuple_size_v<Types>;
@@ -26,7 +26,7 @@ To convert(From value) {
   if constexpr (std::is_same_v<To, From>) {
     return value;
   } else if constexpr (std::floating_point<To> && std::floating_point<From>) {
-    // A double beyond float's range: the conversion would be undefined behaviour without IEC 559.
+    // A double beyond the range of float. Without IEC 559 the conversion would be undefined behaviour.
     if constexpr (sizeof(To) < sizeof(From)) {
       if (std::isfinite(value) && std::abs(value) > Limits::max())
         return std::copysign(Limits::infinity(), static_cast<To>(value > 0 ? 1 : -1));
@@ -36,7 +36,7 @@ To convert(From value) {
     return static_cast<To>(value);
   } else if constexpr (std::floating_point<From>) {
     if (std::isnan(value)) return 0;
-    // max() may round up to 2^k in From, which is already out of range: hence >= and not >.
+    // max() may round up to 2^k in From, which is already out of range. So the comparison is >= and not >.
     if (value >= static_cast<From>(Limits::max())) return Limits::max();
     if (value <= static_cast<From>(Limits::min())) return Limits::min();
     return static_cast<To>(value);
@@ -100,7 +100,7 @@ ColumnCopy column_copy(AttributeType from, bool byte_swapped, AttributeType to) 
 
 std::string AttributeNames::make(std::string_view raw) {
   std::string_view short_enough = raw.substr(0, 64);
-  // Do not cut a UTF-8 sequence in two.
+  // A UTF-8 sequence must not be cut in two.
   while (short_enough.size() < raw.size() && !short_enough.empty() &&
          (static_cast<unsigned char>(raw[short_enough.size()]) & 0xC0u) == 0x80u)
     short_enough.remove_suffix(1);

@@ -31,7 +31,7 @@ Status LineReader::fill() {
   std::memmove(block_.data(), block_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  // A long line, which does not fit in half of the block.
+  // A long line does not fit into half of the block.
   if (end_ > block_.size() / 2) block_.resize(2 * block_.size());
   const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(block_.size() - end_, source_->size() - position_));
   BOOST_OUTCOME_TRYV(source_->read(position_, std::as_writable_bytes(std::span(block_).subspan(end_, n))));

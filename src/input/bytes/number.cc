@@ -8,8 +8,8 @@
 namespace tessera {
 namespace {
 
-// from_chars says only "out of range". Which way is decided by the decimal exponent of the first digit that is not 0:
-// out of range means below 10^-300 or above 10^300, so its sign is enough.
+// Whether a number that is "out of range" for from_chars is too large. The decimal exponent of the first digit that is
+// not 0 decides. Out of range means below 10^-300 or above 10^300, so the sign of this exponent is enough.
 bool is_huge(std::string_view text) {
   const std::size_t e = text.find_first_of("eE");
   long long exponent = 0;
@@ -24,7 +24,7 @@ bool is_huge(std::string_view text) {
   const std::size_t first = mantissa.find_first_of("123456789");
   if (first == std::string_view::npos) return false;
   const auto position = static_cast<long long>(point) - static_cast<long long>(first);
-  // No overflow: a text is far shorter than 2^62, and an exponent near the limits decides alone.
+  // This cannot overflow: a text is far shorter than 2^62, and an exponent near the limits decides alone.
   if (exponent > (1LL << 62)) return true;
   if (exponent < -(1LL << 62)) return false;
   return exponent + position > 0;

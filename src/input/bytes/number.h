@@ -1,4 +1,4 @@
-// Decimal text to the nearest double.
+// Converts decimal text to the nearest double.
 #pragma once
 
 #include <optional>
@@ -6,8 +6,8 @@
 
 namespace tessera {
 
-// The double nearest to `text` ("-1.5e3", "+2", "nan", "inf"), whatever the locale; nothing if `text` is not wholly a
-// number. Too large becomes infinity and too small zero, as rounding has it.
+// Returns the double nearest to `text` ("-1.5e3", "+2", "nan", "inf"), independently of the locale. Nothing if `text`
+// is not one number as a whole. A number that is too large becomes infinity, and one that is too small becomes zero.
 std::optional<double> parse_number(std::string_view text);
 
 }  // namespace tessera

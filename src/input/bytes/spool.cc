@@ -27,7 +27,7 @@ std::string megabytes(std::uint64_t bytes) {
   return std::to_string(bytes / 1'000'000) + "." + std::to_string(bytes / 100'000 % 10) + " MB";
 }
 
-// What standard input gives next, as soon as there is something.
+// Reads from standard input as soon as there are bytes.
 Result<std::size_t> read_standard_input(std::span<std::byte> out, const std::stop_token& stop) {
   while (true) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while standard input was read");
@@ -50,7 +50,7 @@ struct Spool::File {
   std::uint64_t size = 0;
 };
 
-// What the source that is kept says of itself.
+// What a kept source says about its origin.
 struct Spool::Origin {
   std::filesystem::path path, content_name;
   std::int64_t modified_ns = 0;
@@ -75,7 +75,7 @@ class Spool::Source : public ByteSource {
   Status read(std::uint64_t offset, std::span<std::byte> out) const override {
     return read_at(file_->handle.get(), place_.begin + offset, out, origin_.path);
   }
-  Status check_unchanged() const override { return success(); }  // nobody else can reach it
+  Status check_unchanged() const override { return success(); }  // no other process can reach the file
 
  private:
   std::shared_ptr<File> file_;
@@ -106,7 +106,7 @@ Result<std::shared_ptr<const ByteSource>> Spool::keep(Origin origin, FileFormat 
   const std::uint64_t begin = file->size;
   const auto write = [&](std::span<const std::byte> block) -> Status {
     if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while " + name + " was unpacked");
-    // What nobody will be able to read need not be unpacked.
+    // Content that no reader can read need not be unpacked.
     if (file->size == begin &&
         format_of(block.first(std::min(block.size(), format_bytes)), origin.content_name) == FileFormat::unknown)
       return unknown_format(origin.path);

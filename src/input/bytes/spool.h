@@ -1,5 +1,5 @@
-// Bytes that cannot be read twice, or only from their begin, are written to disk once and read from there like any
-// file.
+// A spool: bytes that cannot be read twice, or only from their beginning, are written to disk once and read from there
+// like a file.
 #pragma once
 
 #include <atomic>
@@ -16,22 +16,23 @@
 
 namespace tessera {
 
-// Its files have no name and are gone with the sources in them, whatever becomes of the process. Several sources share
-// a file, so that ten thousand compressed inputs need as many descriptors as threads unpack them. Safe to share by
-// threads.
+// The files of a spool have no names. They are gone when their sources are, however the process ends. Several sources
+// share a file, so ten thousand compressed inputs need only as many descriptors as there are threads that unpack.
+// Thread-safe.
 class Spool {
  public:
-  // `folder`: empty for the system's temporary folder. Nothing is made before it is needed. `bytes_max`: of all that is
-  // unpacked together; 0: what the disk has.
+  // `folder`: empty for the system's temporary folder. Files are made only when they are needed. `bytes_max`: the bound
+  // on all unpacked bytes together; 0: no bound but the disk.
   explicit Spool(std::filesystem::path folder, std::stop_token stop = {}, std::uint64_t bytes_max = 0);
 
-  // `source` itself, or what is in it if it is compressed: then a source that keeps its path, modification time and
-  // stored size. Errors: bad_input for damaged streams and for contents of no format we know (found at once); io when
-  // the folder has no room or bytes_max is reached, with how much was unpacked; interrupted, with nothing left behind.
+  // Returns `source` itself, or if it is compressed a source of its content, with the same path, modification time and
+  // stored size. Errors: bad_input for damaged streams, and for content of unknown format, which is found at once;
+  // memory when bytes_max is reached; io when the folder has no room, with the number of bytes that were unpacked;
+  // interrupted; those of the thread's ledger. After an error no file is left behind.
   Result<std::shared_ptr<const ByteSource>> unpacked(std::shared_ptr<const ByteSource> source);
 
-  // Standard input, unpacked if it is compressed. A file that it is redirected from is read in place. Errors: also a
-  // terminal (usage); Errc::interrupted within a tenth of a second, however slowly it comes.
+  // Returns standard input, unpacked if it is compressed. If it is redirected from a file, the file is read in place.
+  // Errors: those above; usage for a terminal; interrupted within a tenth of a second, however slowly bytes come.
   Result<std::shared_ptr<const ByteSource>> standard_input();
 
  private:

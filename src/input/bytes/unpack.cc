@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// Collects bytes until there is a block of them.
+// Collects bytes until they fill a block.
 class Blocks {
  public:
   explicit Blocks(const ByteSink& sink) : sink_(sink), block_(InputBuffer::block_bytes) {}
@@ -35,7 +35,7 @@ class Blocks {
   std::size_t used_ = 0;
 };
 
-// The sentences that both formats share.
+// The error messages that both formats share.
 class Complaint {
  public:
   Complaint(FileFormat packing, const InputBuffer& in, const std::string& name)
@@ -97,7 +97,7 @@ Status unpack_gzip(InputBuffer& in, const std::string& name, Blocks& out) {
     const int code = inflate(&z, Z_NO_FLUSH);
     in.skip(bytes.size() - z.avail_in);
     if (code == Z_MEM_ERROR) return complaint.no_memory();
-    // Z_BUF_ERROR: nothing could be done with so few bytes; more will come, or the end.
+    // Z_BUF_ERROR means that there were too few bytes to go on. More bytes come, or the end.
     if (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR)
       return complaint.damaged(z.msg != nullptr ? z.msg : "no reason given");
     BOOST_OUTCOME_TRYV(out.add(room.size() - z.avail_out));
@@ -113,10 +113,10 @@ Status unpack_zstd(InputBuffer& in, const std::string& name, Blocks& out) {
   const Complaint complaint(FileFormat::zstd, in, name);
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (!context) return complaint.no_memory();
-  // Windows above 128 MiB, which the library refuses by default, stay refused: memory is bounded.
+  // Windows above 128 MiB stay refused, which is the library's default, so that memory is bounded.
   bool between_frames = true, more_to_come = false;
   while (true) {
-    BOOST_OUTCOME_TRY(bytes, in.peek(4));  // the length of a frame's magic
+    BOOST_OUTCOME_TRY(bytes, in.peek(4));  // the length of the magic number of a frame
     if (bytes.empty() && between_frames) return success();
     if (bytes.empty() && !more_to_come) return complaint.cut_off();
     if (between_frames && format_of(bytes, "") != FileFormat::zstd) return complaint.followed();

@@ -1,4 +1,4 @@
-// gzip and Zstandard streams, and what has neither, from a source that is read once.
+// Unpacks gzip and Zstandard streams, or copies other bytes, from a source that is read once.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@
 
 namespace tessera {
 
-// Bytes from somewhere, with a look ahead.
+// Bytes from a function, which can be looked at before they are taken.
 class InputBuffer {
  public:
-  // Fills a part of its argument, from the begin, and returns its length; 0 at the end.
+  // Fills the beginning of its argument and returns the number of bytes; 0 at the end.
   using Read = std::function<Result<std::size_t>(std::span<std::byte>)>;
   explicit InputBuffer(Read read);
 
-  // The next bytes, at least `least` of them unless the end comes before. REQUIRES: least <= block_bytes.
+  // The next bytes: at least `least`, unless the end comes before. REQUIRES: least <= block_bytes.
   Result<std::span<const std::byte>> peek(std::size_t least = 1);
-  void skip(std::size_t bytes);  // REQUIRES: not more than peek() gave last
-  // What has been skipped.
+  void skip(std::size_t bytes);  // REQUIRES: at most as many as peek() gave last
+  // The number of bytes that were skipped.
   std::uint64_t position() const { return position_; }
 
   static constexpr std::size_t block_bytes = std::size_t{1} << 18;
@@ -36,16 +36,16 @@ class InputBuffer {
   std::uint64_t position_ = 0;
 };
 
-// Takes bytes, in order.
+// A function that takes bytes in order.
 using ByteSink = std::function<Status(std::span<const std::byte>)>;
 
-// "gzip" or "zstd"; "" for what is no packing.
+// "gzip" or "zstd"; "" for other formats.
 const char* packing_name(FileFormat format);
 
-// Gives `sink` all that is in `in`, in blocks of 256 KiB and a shorter last one; memory does not depend on how large it
-// becomes. `packing`: any other than gzip and zstd is copied as it is. Several gzip members or Zstandard frames are one
-// stream, as their tools have it. Errors bad_input, "NAME: ...": damaged, cut off, or followed by what is no such
-// stream.
+// Gives `sink` the whole content of `in`, in blocks of 256 KiB and a shorter last one. Memory does not depend on the
+// size of the content. With a `packing` other than gzip and zstd the bytes are copied. Several gzip members or
+// Zstandard frames count as one stream, as for their own tools. Error bad_input, "NAME: ...": the stream is damaged,
+// cut off, or followed by other bytes.
 Status unpack(FileFormat packing, InputBuffer& in, const std::string& name, const ByteSink& sink);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// A few batches between the thread that reads them and the one that uses them.
+// A queue of a few batches between a thread that reads them and a thread that uses them.
 #pragma once
 
 #include <condition_variable>
@@ -15,7 +15,8 @@ namespace tessera {
 
 class BatchQueue {
  public:
-  // Waits for room and takes what is in `batch`, which gets the memory of one that is done with. False once closed.
+  // Waits for room and takes the content of `batch`. Gives `batch` the memory of a batch that is no longer used.
+  // Returns false once the queue is closed.
   bool push(CloudBatch& batch) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || waiting_.size() < waiting_max; });
@@ -29,13 +30,14 @@ class BatchQueue {
     changed_.notify_all();
     return true;
   }
-  // No more will come, because of the end or an error.
+  // Says that no batch follows, because of the end or an error.
   void finish(Status status) {
     const std::lock_guard lock(mutex_);
     end_.emplace(std::move(status));
     changed_.notify_all();
   }
-  // Waits for the next batch, and takes back the memory of the last one. False at the end, after which status() tells.
+  // Waits for the next batch and takes back the memory of the last one. Returns false at the end; then status() says
+  // why.
   bool pop(CloudBatch& batch) {
     std::unique_lock lock(mutex_);
     if (batch.points.capacity() > 0) spare_.push_back(std::move(batch));
@@ -46,9 +48,9 @@ class BatchQueue {
     changed_.notify_all();
     return true;
   }
-  // REQUIRES: pop() was false.
+  // REQUIRES: pop() has returned false.
   const Status& status() const { return *end_; }
-  // Nobody pops any more.
+  // Says that no more batches are popped.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;

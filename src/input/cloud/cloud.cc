@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-// The type that holds an attribute of all files: theirs if they agree, double if not.
+// Adds the attributes of a file. An attribute keeps its type if all files agree, else it becomes a double.
 void add_available(const FileInfo& file, std::vector<Attribute>& available) {
   for (const auto& a : file.attributes) {
     const auto same = std::find_if(available.begin(), available.end(), [&](auto& b) { return b.name == a.name; });
@@ -43,7 +43,7 @@ Result<std::vector<Attribute>> choose(const std::vector<std::string>& wanted, co
 
 struct Opened {
   FileInfo info;
-  std::shared_ptr<const ByteSource> spooled;  // none if the file itself can be read again
+  std::shared_ptr<const ByteSource> spooled;  // null if the file itself can be read again
 };
 
 Result<Opened> open_input(const InputName& input, const ReadHints& hints, Spool& spool) {
@@ -79,7 +79,7 @@ Status check_file(const FileInfo& file, const CloudOptions& options) {
   return success();
 }
 
-// Degrees beside heights have no Delaunay triangulation that means anything: distances would mix them.
+// Degrees with heights have no meaningful Delaunay triangulation, because distances would mix angles and lengths.
 Status check_units(const FileInfo& file) {
   if (!file.degrees) return success();
   return error(Errc::bad_input, file.path.string() +
@@ -95,7 +95,7 @@ Status check_use_of_columns(const std::vector<FileInfo>& files, const CloudOptio
   return error(Errc::usage, option("columns") + ": none of the input files is text or NumPy, whose columns it names");
 }
 
-// Numbers of points are taken for coordinates without anybody noticing.
+// Warns of numbers of points that were taken for coordinates, which is easily overlooked.
 void warn_of_counting(const std::vector<FileInfo>& files, std::vector<std::string>& warnings) {
   const auto first = std::find_if(files.begin(), files.end(), [](const FileInfo& file) { return file.counts_up; });
   if (first == files.end()) return;
@@ -106,7 +106,7 @@ void warn_of_counting(const std::vector<FileInfo>& files, std::vector<std::strin
                      "is taken for x; if it numbers the points, name the columns by the option columns, as p,y,x,z");
 }
 
-// `carried`: the points have heights, as attributes. `has_z`: the files have some.
+// `carried`: the points have heights as an attribute. `has_z`: a file has heights.
 Status check_keep(const CloudOptions& options, bool carried, bool has_z) {
   if (options.keep == DuplicatePolicy::first) return success();
   const auto refuse = [&](const std::string& reason) {
@@ -120,7 +120,7 @@ Status check_keep(const CloudOptions& options, bool carried, bool has_z) {
                       : "needs heights, and no input file has any");
 }
 
-// The schema: of what there is what is asked for, and in 2D the heights.
+// The schema: the attributes that are wanted and available, and in 2D the heights.
 Result<std::vector<Attribute>> choose_with_heights(const CloudOptions& options, std::vector<Attribute> available,
                                                    bool has_z) {
   const Attribute height{"z", AttributeType::f64};
@@ -144,7 +144,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
       inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
   const ReadHints hints{.crop = options.crop, .resolution = options.resolution, .columns = options.columns};
   const auto open_one = [&](std::size_t i) -> Result<Opened> {
-    // No thread may wait for standard input while there is an error to tell.
+    // No thread may wait for standard input while there is an error to report.
     if (inputs[i].standard_input) return Opened{};
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
     auto opened = open_input(inputs[i], hints, spool);
@@ -207,7 +207,8 @@ Result<std::unique_ptr<ByteSource>> Cloud::source(std::size_t index) const {
   const FileInfo& file = files_[index];
   if (spooled_[index]) return share(spooled_[index]);
   BOOST_OUTCOME_TRY(source, open_file(file.path));
-  // What was chosen by the first look at the file, a partition or units, would be wrong for another content.
+  // The file must not have changed: what was chosen by the first look at it, such as a partition or units, would be
+  // wrong.
   if (source->stored_bytes() != file.bytes || source->modified_ns() != file.modified_ns)
     return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
   return std::move(source);

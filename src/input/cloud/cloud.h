@@ -1,4 +1,4 @@
-// Several files seen as one cloud, with the filters a user asked for.
+// Several files as one cloud, with the filters of the user.
 #pragma once
 
 #include <array>
@@ -19,44 +19,50 @@
 
 namespace tessera {
 
+// Which returns (echoes) of each pulse of the scanner are kept.
 enum class Returns : std::uint8_t { all, first, last, single };
 
 struct CloudOptions {
-  // 2 triangulates x and y; z of the points becomes 0. 0: 3, or 2 if the files hold x and y alone.
+  // 2: x and y are triangulated and z becomes 0. 0: 3, or 2 if all files have only x and y.
   int dimension = 3;
-  DuplicatePolicy keep = DuplicatePolicy::first;  // 2D: which of the points of equal x and y
-  bool heights = true;                            // 2D: carry z as the attribute "z", if any file has it
-  bool skip_invalid = false;                      // drop non-finite points and count them, instead of refusing the file
-  std::optional<Box> crop = {};                   // closed box: points outside are not part of the cloud
-  std::vector<int> classes = {};                  // keep these LAS classes only; empty keeps all
-  Returns returns = Returns::all;                 // keep these echoes of each pulse only
-  std::vector<std::string> without = {};          // drop points with one of these flags: "withheld", "synthetic", ...
-  std::vector<std::string> attributes = {};       // names to carry, or {"all"}
-  std::vector<std::string> columns = {};          // text, NumPy: what their columns are called; see ReadHints
-  double resolution = 0;                          // COPC files only: how far apart points may be; 0 keeps all
-  std::uint32_t threads = 1;                      // that may open, read and unpack files at once
-  std::string crs = {};         // WKT or "EPSG:n" of all files, whatever they say; empty: what they say
-  std::string input_list = {};  // a file that names further inputs, see InputQuestion
-  bool recursive = false;       // folders with their subfolders
-  // Where standard input and what is in compressed files wait, without names; empty: the system's temporary folder.
+  DuplicatePolicy keep = DuplicatePolicy::first;  // 2D: which of the points with equal x and y is kept
+  bool heights = true;                            // 2D: carry z as the attribute "z", if a file has it
+  bool skip_invalid = false;       // drop points that are not finite, and count them, instead of refusing the file
+  std::optional<Box> crop = {};    // a closed box; points outside do not belong to the cloud
+  std::vector<int> classes = {};   // keep only these LAS classes; empty: keep all
+  Returns returns = Returns::all;  // keep only these echoes of each pulse
+  std::vector<std::string> without = {};     // drop points with one of these flags: "withheld", "synthetic", ...
+  std::vector<std::string> attributes = {};  // the names of attributes to carry, or {"all"}
+  std::vector<std::string> columns = {};     // text, NumPy: the names of the columns; see ReadHints
+  double resolution = 0;                     // COPC only: the distance between points that is enough; 0: keep all
+  std::uint32_t threads = 1;                 // how many threads may open, read and unpack files at once
+  std::string crs = {};         // WKT or "EPSG:n" of all files, whatever the files say; empty: as the files say
+  std::string input_list = {};  // a file that names more inputs; see InputQuestion
+  bool recursive = false;       // read folders with their subfolders
+  // The folder in which standard input and unpacked files wait, as files without names. Empty: the system's temporary
+  // folder.
   std::filesystem::path spool_folder = {};
-  std::uint64_t spool_bytes_max = 0;  // that may wait there; 0: what the disk has
+  std::uint64_t spool_bytes_max = 0;  // the most bytes that may wait there; 0: no bound but the disk
 };
 
-// The point flags of LAS, as attributes are called.
+// The flags of points in LAS, by the names of their attributes.
 inline constexpr std::array<std::string_view, 4> point_flags{"withheld", "synthetic", "overlap", "key_point"};
 
-// Points with their source index (rank in the whole input, filtered and rejected points counted).
+// Points with their source indices, and their rows. Filtered and rejected points count in source indices, too.
 struct CloudBatch {
   std::vector<LocalPoint> points;
   std::vector<std::byte> rows;
 };
 
+// How many points were read and dropped.
 struct CloudCounts {
-  std::uint64_t read = 0;      // points in the files
-  std::uint64_t invalid = 0;   // not finite, dropped by --skip-invalid
-  std::uint64_t filtered = 0;  // outside the crop box, of another class, or of a level finer than the resolution
-  // Of points that were filtered one by one: where they are, and their classes, when a class was asked for.
+  std::uint64_t read = 0;     // points in the files
+  std::uint64_t invalid = 0;  // points that are not finite and were dropped by --skip-invalid
+  // Points outside the crop box, of a class, return or flag that was not wanted, or of a level finer than the
+  // resolution.
+  std::uint64_t filtered = 0;
+  // For points that were filtered one by one: the bounds of those outside the crop box, and the classes of those of
+  // other classes.
   Bounds outside = {};
   std::bitset<256> other_classes = {};
 
@@ -71,7 +77,8 @@ struct CloudCounts {
 
 // A part of the input that can be read by itself.
 struct InputSplit {
-  // A file, or of one that can be entered in the middle points begin..begin+count-1, or these of its FileInfo::parts.
+  // A whole file; or points begin..begin+count-1 of a file that can be entered in the middle; or these of its
+  // FileInfo::parts.
   struct Range {
     enum class Of : std::uint8_t { file, points, parts };
     std::size_t file = 0;
@@ -80,21 +87,23 @@ struct InputSplit {
     friend bool operator==(const Range&, const Range&) = default;
   };
   std::vector<Range> ranges;
-  bool here = false;  // by this process alone: what is read has no name
+  bool here = false;  // only this process can read the split, because what is read has no name
 };
 
+// The input as one list of points. After opening, the const functions may be called by several threads.
 class Cloud {
  public:
-  // Finds the files that `patterns` mean (see InputQuestion), opens every file's header, unpacks compressed files and
-  // reads standard input to its end, and settles schema and dimension. Errors: those of find_inputs, Spool and the
-  // readers, of the first such file in order; a file without z for a 3D cloud or without classes to choose from; an
-  // attribute that no file has; files in different coordinate systems. `stop` ends it soon, with Errc::interrupted.
+  // Finds the files of `patterns` (see InputQuestion), opens every file's header, unpacks compressed files, reads
+  // standard input to its end, and settles schema and dimension. Errors: those of find_inputs, Spool and the readers,
+  // for the first such file in order; a file without z for a 3D cloud; a file without the attribute by which an option
+  // filters; an attribute that no file has; files in different coordinate systems. `stop` ends the call soon, with
+  // Errc::interrupted.
   static Result<Cloud> open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop = {});
 
-  // A cloud of one input that is not a file. Errors as above.
+  // A cloud of one input that is not a file. Errors: as for open().
   static Result<Cloud> open_source(std::shared_ptr<const ByteSource> source, CloudOptions options);
 
-  // A cloud of files that another process has opened: of a stretch as much as for_each_batch() asks for.
+  // A cloud of files that another process has opened. It serves for for_each_batch().
   static Cloud of(std::vector<FileInfo> files, std::vector<Attribute> schema, CloudOptions options);
 
   const std::vector<FileInfo>& files() const { return files_; }
@@ -103,35 +112,36 @@ class Cloud {
   const std::string& crs() const { return crs_; }  // see settle_crs()
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  // Every point in order, in batches; `visit`, which is called on the calling thread, may stop by returning an error.
-  // Coordinates have no -0. With several threads, small files and parts of text are read ahead, each by one thread;
-  // other large files are read by one thread (LAZ: as many as there are) while `visit` works. Batches, and the error if
-  // there is one, do not depend on the number of threads.
+  // Calls `visit` with all points in order, in batches, on the calling thread. `visit` may stop by returning an error.
+  // No coordinate is -0. With several threads, small files and parts of text are read ahead, each by one thread. Other
+  // large files are read by one thread (LAZ: by all threads) while `visit` works. The batches, and the error if there
+  // is one, do not depend on the number of threads.
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
-  // The same of a stretch; ids count from its first point.
+  // The same for one split. Ids count from its first point.
   Result<CloudCounts> for_each_batch(const InputSplit& split, const std::function<Status(CloudBatch&)>& visit) const;
 
-  // All of it in order, cut into stretches of about so many points where files can be entered. Looks at the files that
-  // are larger. Errors of the readers.
+  // Cuts the whole input, in order, into splits of about `points` points, where files can be entered. Opens the files
+  // that are larger. Errors: those of the readers.
   Result<std::vector<InputSplit>> splits(std::uint64_t points) const;
+  // The whole input as one split.
   InputSplit whole() const;
 
-  // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
-  // seek cheaply, everything else whole.
+  // Returns about `wanted` points, spread over all files, after the filters. The sample is deterministic. Reads blocks
+  // of files that can seek cheaply, and all of other files.
   Result<std::vector<Point>> sample(std::size_t wanted) const;
 
  private:
   friend class CloudUnits;
-  // The reader of file `index`; `hints` without what the options say.
+  // Opens file `index` again. The options of the cloud add to `hints`.
   Result<std::unique_ptr<PointReader>> reopen(std::size_t index, const std::vector<Attribute>& schema,
                                               ReadHints hints) const;
-  // The same of the whole file, whatever the options say; and what its bytes are read from.
+  // The same for the whole file: filters of the options are not passed to the reader. source() opens the file's bytes.
   Result<std::unique_ptr<PointReader>> reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
                                                     ReadHints hints) const;
   Result<std::unique_ptr<ByteSource>> source(std::size_t index) const;
 
   std::vector<FileInfo> files_;
-  std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file: none where the file itself is read again
+  std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file; null where the file itself can be read again
   std::vector<Attribute> schema_;
   std::string crs_;
   std::vector<std::string> warnings_;

@@ -23,7 +23,7 @@ std::string some_of(std::size_t some, std::size_t all) {
 Result<CloudCrs> settle_crs(const std::vector<FileInfo>& files, const std::string& given) {
   CloudCrs settled{given, {}};
   if (!given.empty()) return settled;
-  std::map<std::string, const FileInfo*> first_with;  // the files of a survey say the same, word for word
+  std::map<std::string, const FileInfo*> first_with;  // the files of a survey have equal texts, word for word
   const FileInfo *first = nullptr, *without = nullptr;
   std::size_t count_without = 0;
   for (const FileInfo& file : files) {
@@ -36,7 +36,7 @@ Result<CloudCrs> settle_crs(const std::vector<FileInfo>& files, const std::strin
     if (first == nullptr) first = &file;
   }
   if (first == nullptr) return settled;
-  // One text needs not be understood: what understands it takes memory.
+  // A single text need not be understood: the library for that takes memory.
   const FileInfo* with_heights = nullptr;
   if (first_with.size() > 1) {
     for (const auto& [crs, file] : first_with) {

@@ -1,4 +1,4 @@
-// The one coordinate system of a cloud of many files.
+// The coordinate system of a cloud of many files.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct CloudCrs {
   std::vector<std::string> warnings;  // sentences for people
 };
 
-// `given` when it is not empty; else that of the files, of which some may have none. Error bad_input when two files
-// have different systems: where each point stands would be wrong for one of them.
+// Returns `given` if it is not empty, else the system of the files; some files may have none. Error bad_input when two
+// files have different systems, because the points of one of them would be in the wrong place.
 Result<CloudCrs> settle_crs(const std::vector<FileInfo>& files, const std::string& given);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Cloud::for_each_batch. Batches are delivered in the order of the input, since ids, tile files and the choice of seeds
-// rest on it; the threads only read ahead.
+// Cloud::for_each_batch(). Batches come in the order of the input, because ids, tile files and the choice of seeds
+// depend on this order. Threads only read ahead.
 #include <cstdint>
 #include <functional>
 #include <new>
@@ -19,14 +19,15 @@ namespace {
 
 using Sink = std::function<Status(CloudBatch&)>;
 
-// Rows of text whose header names many columns may be much larger than their lines.
+// A row may be much larger than its line of text, when the header names many columns. Text with larger rows is not read
+// ahead in parts.
 constexpr std::size_t text_row_bytes_max = 128;
 constexpr std::uint64_t rows_bytes_max = std::uint64_t{8} << 20;
 
-// A file, or a part of one, that one thread reads.
+// A file, or a part of a file, that one thread reads.
 struct Unit {
   std::size_t file;
-  std::optional<std::uint64_t> part;            // none: not one of those
+  std::optional<std::uint64_t> part;            // none: the unit is not one of the file's parts
   bool ahead;                                   // small enough to be read before it is needed
   std::uint64_t begin = 0, count = UINT64_MAX;  // points
 };
@@ -55,7 +56,7 @@ std::vector<Unit> units_of(const InputSplit& split, const std::vector<FileInfo>&
   return units;
 }
 
-// Gives `sink` what the filter keeps of a unit whose points have ids from first_id on, and counts it.
+// Calls `sink` with the points of a unit that the filter keeps, and counts them. The unit's ids begin at first_id.
 Status read_unit(PointReader& reader, const Unit& unit, const PointFilter& filter, std::uint64_t first_id,
                  CloudCounts& counts, const Sink& sink) {
   PointBatch batch;
@@ -65,7 +66,7 @@ Status read_unit(PointReader& reader, const Unit& unit, const PointFilter& filte
   }
   const bool range = unit.count != UINT64_MAX;
   for (std::uint64_t left = unit.count;; left -= batch.points.size()) {
-    if (left == 0) {  // at the end readers look whether the file is still the one that was opened
+    if (left == 0) {  // at the end of a file readers check that it is still the file that was opened
       BOOST_OUTCOME_TRYV(reader.seek(UINT64_MAX));
       return reader.next(batch, 1);
     }
@@ -85,7 +86,7 @@ Status read_unit(PointReader& reader, const Unit& unit, const PointFilter& filte
   }
 }
 
-// The same with another thread that reads while this one is in `sink`.
+// The same, with another thread that reads while this thread is in `sink`.
 Status read_unit_ahead(PointReader& reader, const Unit& unit, const PointFilter& filter, std::uint64_t first_id,
                        CloudCounts& counts, const Sink& sink) {
   BatchQueue queue;
@@ -112,7 +113,7 @@ Status read_unit_ahead(PointReader& reader, const Unit& unit, const PointFilter&
 }
 
 struct ReadUnit {
-  std::vector<CloudBatch> batches;  // with ids from 0 on
+  std::vector<CloudBatch> batches;  // their ids begin at 0
   CloudCounts counts;
 };
 
@@ -141,7 +142,7 @@ Result<CloudCounts> Cloud::for_each_batch(const InputSplit& split,
   const auto read_ahead = [&](std::size_t i) -> Result<ReadUnit> {
     if (!units[i].ahead) return ReadUnit{};
     auto made = read_whole(units[i], false);
-    // Only an error is worth looking for its line.
+    // Lines are counted only for an error, because counting takes time.
     if (made.has_error() && units[i].part.value_or(0) > 0) return read_whole(units[i], true);
     return made;
   };

@@ -1,4 +1,5 @@
-// Cloud::sample: blocks spread evenly over the files that can seek, every k-th point of those that cannot, or slowly.
+// Cloud::sample(): takes blocks spread evenly over files that can seek, and every k-th point of files that cannot, or
+// only slowly.
 #include <algorithm>
 #include <cstdint>
 #include <utility>
@@ -11,23 +12,23 @@
 namespace tessera {
 namespace {
 
-// 256 LAS records are two pages or three: a smaller block costs the disk as much, a larger one says less, since
-// neighbours in a file are neighbours in space. A large sample tells where to cut many tiles: what counts then is how
-// many blocks a tile has, and small ones are as many as the disk and a decoder bear.
+// The sizes of blocks. 256 LAS records take two or three pages. A smaller block costs the disk as much, and a larger
+// block says less, because neighbours in a file are neighbours in space. A large sample decides where many tiles are
+// cut; then the number of blocks in a tile counts, and blocks are made as small as disk and decoder permit.
 constexpr std::uint64_t block_points = 256, small_block_points = 32, large_sample = 100'000;
 
 std::uint64_t block_points_of(std::uint64_t quota, const FileInfo& file, std::uint64_t points) {
   const bool small = quota > large_sample && quota / small_block_points * file.seek_points < points / 8;
   return small ? small_block_points : block_points;
 }
-// What a line of text or ASCII PLY takes, for sharing the sample between files whose header gives no count.
+// The bytes of a line of text or ASCII PLY, to share the sample among files whose header gives no count.
 constexpr std::uint64_t line_bytes = 32;
 
 std::uint64_t estimated_points(const FileInfo& file) {
   return file.points ? *file.points : std::max<std::uint64_t>(1, file.content_bytes / line_bytes);
 }
 
-// Points kept so far, thinned to every second one whenever there are twice as many as wanted.
+// Keeps points and drops every second one whenever there are twice as many as wanted.
 class Thinning {
  public:
   explicit Thinning(std::uint64_t wanted) : wanted_(std::max<std::uint64_t>(1, wanted)) {}
@@ -51,11 +52,11 @@ class FileSampler {
  public:
   FileSampler(PointReader& reader, const PointFilter& filter) : reader_(reader), filter_(filter) {}
 
-  // `wanted` of the `n` points of a reader that can seek, before filtering, in blocks of so many.
+  // Reads `wanted` of the `n` points of a reader that can seek, before filtering, in blocks of `block` points.
   Status blocks(std::uint64_t n, std::uint64_t wanted, std::uint64_t block, std::vector<Point>& to) {
     const std::uint64_t blocks = (std::min(wanted, n) + block - 1) / block;
     for (std::uint64_t b = 0; b < blocks; ++b) {
-      // The b-th of `blocks` equal parts, and one block at a random place in it. 128 bits: n * b may exceed 64.
+      // The b-th of `blocks` equal ranges has one block at a random place. n * b may need more than 64 bits.
       const auto begin = part(n, b, blocks), length = part(n, b + 1, blocks) - begin;
       const auto count = std::min(length, block);
       const auto at = begin + mixed_bits(b) % (length - count + 1);
@@ -72,7 +73,7 @@ class FileSampler {
     return success();
   }
 
-  // About `wanted` of all points that pass the filter.
+  // Reads about `wanted` of all points that pass the filter.
   Status whole(std::uint64_t wanted, std::vector<Point>& to) {
     Thinning thinning(wanted);
     while (true) {
@@ -113,7 +114,8 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
   std::vector<Point> points;
   if (total == 0 || wanted == 0) return points;
 
-  // A filter may leave little of a sample that was taken before it: then take more, in the end everything.
+  // A filter may leave few points of a sample that was taken before it. Then a larger sample is taken, in the end
+  // everything.
   for (double share = static_cast<double>(wanted) / static_cast<double>(total);;) {
     points.clear();
     const auto sample_of = [&](std::size_t i) -> Result<std::vector<Point>> {
@@ -121,12 +123,12 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
       const FileInfo& file = files_[i];
       const auto estimate = estimated_points(file);
       const auto quota = static_cast<std::uint64_t>(std::min(share, 1.0) * static_cast<double>(estimate)) + 1;
-      // One file is read by all threads, several by one each.
+      // A single file is read by all threads; several files are read by one thread each.
       BOOST_OUTCOME_TRY(reader,
                         reopen(i, filter.reader_schema(), {.threads = files_.size() == 1 ? options_.threads : 1}));
       FileSampler sampler(*reader, filter);
       BOOST_OUTCOME_TRY(seekable, reader->seek(0));
-      // Where every seek has to decode points first, reading everything once may be less.
+      // Where each seek decodes points first, reading the whole file once may take less.
       const std::uint64_t block = block_points_of(quota, file, estimate);
       const bool worthwhile = quota / block * file.seek_points < estimate;
       if (seekable && file.points && worthwhile) {

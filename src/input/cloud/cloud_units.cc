@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// Of coordinates of this size, in both the header and the points.
+// The rounding error relative to a coordinate, in the header and in the points.
 constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
 
 Bounds widened(Bounds bounds, const Point& step) {
@@ -23,7 +23,7 @@ Bounds widened(Bounds bounds, const Point& step) {
   return bounds;
 }
 
-// Twelve digits: a tenth of a millimetre in metres on the earth.
+// Twelve digits are a tenth of a millimetre for metres on the earth.
 std::string text_of(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 12).ptr};
@@ -68,9 +68,9 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
   if (scan || (!info.levels && !(info.points && info.bounds))) {
     BOOST_OUTCOME_TRYV(scan_file(file, begin, stop));
   }
-  // A COPC file has more points than the levels that are wanted.
+  // A COPC file has more points than those of the wanted levels.
   points_ += info.levels ? *info.points + info.points_passed_over : list_.back().points;
-  // What has no points cannot be met.
+  // Units without points are removed.
   for (std::size_t i = list_.size(); i-- > begin;) {
     if (list_[i].points > 0 && list_[i].bounds.lo.x <= list_[i].bounds.hi.x) continue;
     list_.erase(list_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -79,7 +79,7 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
   return success();
 }
 
-// Bounds and number of the points that the units from `begin` on have; those that are not finite are not looked at.
+// Finds bounds and number of points for the units from `begin` on, by reading. Points that are not finite are ignored.
 Status CloudUnits::scan_file(std::size_t file, std::size_t begin, const std::stop_token& stop) {
   for (std::size_t i = begin; i < list_.size(); ++i) {
     list_[i].bounds = {};
@@ -110,7 +110,7 @@ Status CloudUnits::scan_file(std::size_t file, std::size_t begin, const std::sto
 Status CloudUnits::read(std::span<const std::size_t> units,
                         const std::function<Status(std::size_t, CloudBatch&)>& visit) {
   std::vector<std::size_t> order(units.begin(), units.end());
-  std::sort(order.begin(), order.end());  // by file, then by place: each file is opened once
+  std::sort(order.begin(), order.end());  // by file and place, so that each file is opened once
   for (std::size_t i = 0; i < order.size();) {
     const std::size_t file = places_[order[i]].file;
     BOOST_OUTCOME_TRY(
@@ -119,7 +119,7 @@ Status CloudUnits::read(std::span<const std::size_t> units,
     for (; i < order.size() && places_[order[i]].file == file; ++i) {
       BOOST_OUTCOME_TRYV(read_unit(*reader, order[i], visit));
     }
-    // At the end readers look whether the file is still the one that was opened.
+    // At the end of a file readers check that it is still the file that was opened.
     BOOST_OUTCOME_TRY(sought, reader->seek(std::numeric_limits<std::uint64_t>::max()));
     PointBatch end;
     if (sought) {

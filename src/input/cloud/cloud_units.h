@@ -1,4 +1,4 @@
-// The units of files: COPC nodes, whose cubes the hierarchy tells, and of other formats whole files.
+// The units of files: a COPC node with its cube is a unit, and a whole file of another format is one.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +15,17 @@
 
 namespace tessera {
 
+// The units of a cloud. Not thread-safe.
 class CloudUnits : public PointUnits {
  public:
-  // Bounds are those that the files state: of COPC the node's cube within the header's box, of LAS and LAZ the header's
-  // box, each wider by what rounding to the file's steps may have cost. Files that state none, and with `scan` all, are
-  // read to their end once. Errors: those of reading; interrupted. REQUIRES: the cloud is not cropped.
+  // Opens the units of a cloud. Their bounds are what the files state: for COPC the node's cube within the header's
+  // box, for LAS and LAZ the header's box. They are widened by what rounding to the file's steps may cost. Files that
+  // state no bounds, and with `scan` all files, are read once to their end. Errors: those of reading; interrupted.
+  // REQUIRES: the cloud is not cropped.
   static Result<std::unique_ptr<CloudUnits>> open(Cloud cloud, bool scan, const std::stop_token& stop = {});
 
   const Cloud& cloud() const { return cloud_; }
-  std::uint64_t points() const { return points_; }  // of the whole cloud, filtered ones counted
+  std::uint64_t points() const { return points_; }  // of the whole cloud, including filtered points
   const std::vector<PointUnit>& list() const override { return list_; }
   Status read(std::span<const std::size_t> units,
               const std::function<Status(std::size_t, CloudBatch&)>& visit) override;
@@ -33,9 +35,9 @@ class CloudUnits : public PointUnits {
  private:
   struct Place {
     std::size_t file = 0;
-    std::uint64_t first = 0;  // record of the file
-    bool whole = false;       // all of the file, however many records it has
-    bool seen = false;        // the bounds were found by reading, not stated
+    std::uint64_t first = 0;  // the first record of the unit in the file
+    bool whole = false;       // the unit is the whole file, however many records it has
+    bool seen = false;        // the bounds come from reading the points, not from the file
   };
 
   explicit CloudUnits(Cloud cloud);
@@ -48,7 +50,7 @@ class CloudUnits : public PointUnits {
   PointFilter filter_;
   std::vector<PointUnit> list_;
   std::vector<Place> places_;
-  std::vector<std::uint64_t> first_ids_;  // by file
+  std::vector<std::uint64_t> first_ids_;  // the source index of the first point, by file
   std::uint64_t points_ = 0, bytes_read_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Work done by several threads whose results are used by one, in order.
+// Work that several threads do, and whose results one thread uses in order.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,10 @@
 
 namespace tessera {
 
-// Calls take(i, make(i)) for i = 0 .. n-1: `make`, which gives a Result, on up to `threads` threads (16 at most), at
-// most twice as many ahead; `take`, which gives a Status, on the calling thread by ascending i. The error is that of
-// the lowest i, whatever the threads; nothing of a higher i is taken then.
+// Calls take(i, make(i)) for i = 0 .. n-1. `make` returns a Result and runs on up to `threads` threads (at most 16),
+// ahead of `take` by at most twice as many results. `take` returns a Status and runs on the calling thread, by
+// ascending i. Returns the error of the lowest i, whatever the number of threads. No result of a higher i is taken
+// then.
 template <class Make, class Take>
 Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& take) {
   using Made = decltype(make(std::size_t{}));
@@ -34,7 +35,7 @@ Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& t
     std::mutex mutex;
     std::condition_variable changed;
     std::vector<std::optional<Made>> slots;
-    std::size_t next = 0, front = 0;  // the next to be made, and to be taken
+    std::size_t next = 0, front = 0;  // the next i to be made, and to be taken
     bool stop = false;
   } shared;
   shared.slots.resize(2 * std::size_t{threads});
@@ -55,7 +56,7 @@ Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& t
         }
       }();
       lock.lock();
-      // What comes after an error is not needed; what comes before has been begun.
+      // What comes after an error is not needed. What comes before it has already begun.
       shared.stop = shared.stop || made.has_error();
       shared.slots[i % shared.slots.size()].emplace(std::move(made));
       shared.changed.notify_all();

@@ -1,4 +1,4 @@
-// Cloud::stretches: where the input can be cut.
+// Cloud::splits(): where the input can be cut.
 #include <algorithm>
 #include <cstdint>
 #include <utility>
@@ -11,7 +11,7 @@ namespace {
 
 using Of = InputSplit::Range::Of;
 
-constexpr std::uint64_t line_bytes = 32;  // of text, as in cloud_sample.cc
+constexpr std::uint64_t line_bytes = 32;  // the bytes of a line of text, as in cloud_sample.cc
 
 }  // namespace
 
@@ -24,8 +24,8 @@ InputSplit Cloud::whole() const {
 Result<std::vector<InputSplit>> Cloud::splits(std::uint64_t points) const {
   points = std::max<std::uint64_t>(points, batch_points_max);
   std::vector<InputSplit> splits;
-  std::uint64_t filled = 0;  // points of the last one
-  // What fits goes to the last one.
+  std::uint64_t filled = 0;  // the points of the last split
+  // Adds a range to the last split if it fits, else to a new split.
   const auto add = [&](InputSplit::Range range, std::uint64_t count, bool here) {
     if (splits.empty() || splits.back().here != here || (filled > 0 && filled + count > points)) {
       splits.push_back({{}, here});
@@ -42,7 +42,8 @@ Result<std::vector<InputSplit>> Cloud::splits(std::uint64_t points) const {
     } else if (count <= points) {
       add({i}, count, false);
     } else if (file.points) {
-      // Not where every entry would read as much, nor where the points between are not known.
+      // A file is not entered where entering would read as much as a split, nor where the number of points in between
+      // is unknown.
       bool enter = file.seek_points <= points / 4 && file.points_passed_over == 0;
       if (enter) {
         BOOST_OUTCOME_TRY(reader, reopen(i, {}, {}));

@@ -19,12 +19,12 @@ namespace tessera {
 namespace fs = std::filesystem;
 namespace {
 
-// Whether glob() stops at a folder that it cannot read.
+// glob() stops at a folder that cannot be read, but not at one that is missing.
 int stops_at(const char*, int number) { return number != ENOENT && number != ENOTDIR ? 1 : 0; }
 
-// The files and folders a pattern stands for.
+// Returns the files and folders that match a pattern.
 Result<std::vector<std::string>> expand_pattern(const std::string& pattern) {
-  // A name may hold the characters of a pattern; what exists is meant literally.
+  // A name may contain the characters of patterns. If a file of this very name exists, the name is meant literally.
   if (pattern.find_first_of("*?[") == std::string::npos) return std::vector{pattern};
   BOOST_OUTCOME_TRY(literally, is_there(pattern, FollowLinks::no));
   if (literally) return std::vector{pattern};
@@ -39,16 +39,16 @@ Result<std::vector<std::string>> expand_pattern(const std::string& pattern) {
   return paths;
 }
 
-// Adds the point files in `folder` and, when asked for, in its subfolders.
+// Adds the point files in `folder`, and in its subfolders if `recursive`. Sets `subfolders` when there are any.
 Status add_folder(const fs::path& folder, bool recursive, std::vector<std::string>& files, bool& subfolders) {
   FolderReader reader(folder);
   while (const char* name = reader.next()) {
     const fs::path path = folder / name;
     if (name[0] == '.') continue;
-    BOOST_OUTCOME_TRY(below, is_folder(path));  // not a link to nothing: the file says so when it is opened
+    BOOST_OUTCOME_TRY(below, is_folder(path));  // a link to nothing is no folder; opening it reports the error
     if (below) {
       subfolders = true;
-      // Links between folders may go round in a circle.
+      // Links to folders are not followed, because they may form a circle.
       BOOST_OUTCOME_TRY(itself, is_folder(path, FollowLinks::no));
       BOOST_OUTCOME_TRY(result, is_result_folder(path));
       if (recursive && itself && !result) {
@@ -132,7 +132,7 @@ Result<bool> is_result_folder(const fs::path& folder) {
     BOOST_OUTCOME_TRY(there, is_folder(inside));
     if (there) return true;
   }
-  // Others have files named manifest.json, too.
+  // A file manifest.json alone is no sign, because other programs write such files, too.
   for (const auto& beside : {master_file(folder), tiles_folder(folder)}) {
     BOOST_OUTCOME_TRY(there, is_there(beside));
     if (there) return is_there(manifest_file(folder));

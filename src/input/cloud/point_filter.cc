@@ -76,7 +76,7 @@ bool PointFilter::is_valid(const Point& p) const {
 
 bool PointFilter::is_in_box(const Point& p) const {
   if (!options_.crop) return true;
-  // Outside rather than not inside: in 2D, z may be NaN, and a box without z bounds must not mind.
+  // The test is "outside", not "not inside": in 2D z may be NaN, which a box without bounds in z must accept.
   const auto& [lo, hi] = *options_.crop;
   return !(p.x < lo.x || p.x > hi.x || p.y < lo.y || p.y > hi.y || p.z < lo.z || p.z > hi.z);
 }

@@ -1,4 +1,4 @@
-// What a cloud does to a file's points: refuse or drop the non-finite, keep a box and classes, drop z in 2D.
+// The filters of a cloud: refuse or drop points that are not finite, keep a box and some classes, and drop z in 2D.
 #pragma once
 
 #include <cstddef>
@@ -14,19 +14,21 @@
 
 namespace tessera {
 
-// The attributes that the options filter by, and the keys of these options.
+// The attributes by which the options filter, with the keys of these options.
 std::vector<std::pair<std::string, const char*>> filtered_by(const CloudOptions& options);
 
+// Filters points. Const functions are thread-safe.
 class PointFilter {
  public:
-  // `schema` is the cloud's.
+  // `schema` is the schema of the cloud.
   PointFilter(const CloudOptions& options, const std::vector<Attribute>& schema);
 
-  // What the file's reader must give: the schema, and behind it what else the options filter by.
+  // The schema that the file's reader must give: the cloud's schema, then the other attributes by which the options
+  // filter.
   const std::vector<Attribute>& reader_schema() const { return reader_schema_; }
 
-  // Appends the points of `batch` that are kept to `to`, with ids first_id, first_id + 1, ... given to kept and dropped
-  // ones alike, and adds to `counts`. Error bad_input at a non-finite point, unless they are to be skipped.
+  // Appends the kept points of `batch` to `to` and adds to `counts`. Points get the ids first_id, first_id + 1, ...,
+  // and dropped points use up ids, too. Error bad_input at a point that is not finite, unless such points are skipped.
   Status apply(const PointBatch& batch, const PointReader& reader, std::uint64_t first_id, CloudBatch& to,
                CloudCounts& counts) const;
 
@@ -34,7 +36,7 @@ class PointFilter {
   bool is_valid(const Point& p) const;
   bool is_in_box(const Point& p) const;
   bool is_wanted(const std::byte* row, CloudCounts& counts) const;
-  // Of an attribute of the reader's row.
+  // An attribute in the reader's row.
   struct Column {
     std::size_t at = 0;
     AttributeType type = AttributeType::u8;
@@ -45,8 +47,8 @@ class PointFilter {
   CloudOptions options_;
   std::vector<Attribute> reader_schema_;
   std::size_t row_bytes_, reader_row_bytes_;
-  std::optional<std::size_t> z_at_;  // where a row of the cloud carries z
-  Column class_, number_, of_;       // classification, number of the return, returns of the pulse
+  std::optional<std::size_t> z_at_;  // where z is in a row of the cloud
+  Column class_, number_, of_;       // classification, number of the return, number of returns of the pulse
   std::vector<Column> flags_;
 };
 

@@ -1,4 +1,4 @@
-// A cloud that can be read in parts, each with the box in which its points are.
+// A cloud that can be read in units. The points of each unit are in a box.
 #pragma once
 
 #include <cstddef>
@@ -15,23 +15,24 @@
 namespace tessera {
 
 struct PointUnit {
-  std::uint64_t points = 0;  // at most: filters may leave fewer
-  std::uint64_t bytes = 0;   // that reading it takes
-  Bounds bounds;             // closed, of all its points; in 2D without z
+  std::uint64_t points = 0;  // at most; filters may leave fewer
+  std::uint64_t bytes = 0;   // the bytes that are read for the unit
+  Bounds bounds;             // a closed box around all points of the unit; in 2D without z
 };
 
+// The units of a cloud, however they are stored.
 class PointUnits {
  public:
   virtual ~PointUnits() = default;
-  // Together they have every point, each once. Source indices are those of the whole cloud.
+  // All units. Each point of the cloud is in one unit. Source indices are those of the whole cloud.
   virtual const std::vector<PointUnit>& list() const = 0;
-  // Reads these units, and gives `visit` their points with the unit's number; it may stop by returning an error. An
-  // error, too, when a point is not in its unit's bounds: what is not read rests on them.
+  // Reads units and calls `visit` with their points and the unit's number. `visit` may stop by returning an error. A
+  // point outside its unit's bounds is an error, because code decides by the bounds what it need not read.
   virtual Status read(std::span<const std::size_t> units,
                       const std::function<Status(std::size_t unit, CloudBatch& batch)>& visit) = 0;
-  // What people are told of a unit: its file, where in it, and its bounds.
+  // A description of a unit for people: its file, where in the file, and its bounds.
   virtual std::string name(std::size_t unit) const = 0;
-  // Bytes that were read so far.
+  // The bytes that were read so far.
   virtual std::uint64_t bytes_read() const = 0;
 };
 

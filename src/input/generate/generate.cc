@@ -13,7 +13,7 @@
 
 namespace tessera {
 
-// The points of one shape, one after the other.
+// Makes the points of one shape in order.
 class ShapeSource {
  public:
   virtual ~ShapeSource() = default;
@@ -31,7 +31,7 @@ constexpr std::array<std::pair<std::string_view, CloudShape>, 5> shapes{{{"unifo
                                                                          {"grid", CloudShape::grid},
                                                                          {"terrain", CloudShape::terrain}}};
 
-// A cube (in 2D, a square) from lo to hi.
+// A cube, or in 2D a square, from lo to hi.
 Bounds cube(double lo, double hi, int dimension) {
   Bounds bounds;
   bounds.add(Point{lo, lo, dimension == 2 ? 0 : lo});
@@ -54,7 +54,7 @@ class UniformSource : public ShapeSource {
   int dimension_;
 };
 
-// Marsaglia's polar method: two normal numbers at a time.
+// The polar method of Marsaglia makes two normal numbers at a time.
 class NormalSource : public ShapeSource {
  public:
   explicit NormalSource(const GenerateOptions& options) : random_(options.seed), dimension_(options.dimension) {}
@@ -63,7 +63,7 @@ class NormalSource : public ShapeSource {
     for (int axis = 0; axis < dimension_; ++axis) p[axis] = draw();
     return p;
   }
-  // s >= 2^-104 below, so |v| <= sqrt(-2 log s) < 12.1.
+  // In draw() s >= 2^-104, so |v| <= sqrt(-2 log s) < 12.1.
   Bounds bounds() const override { return cube(-12.1, 12.1, dimension_); }
 
  private:
@@ -90,7 +90,8 @@ class NormalSource : public ShapeSource {
   double spare_ = 0;
 };
 
-// Marsaglia 1972: an even distribution on the sphere from one in the disc; in 2D, the disc's directions.
+// Marsaglia 1972: turns an even distribution in the disc into one on the sphere. In 2D the directions of the disc
+// serve.
 class SphereSource : public ShapeSource {
  public:
   explicit SphereSource(const GenerateOptions& options) : random_(options.seed), dimension_(options.dimension) {}
@@ -120,7 +121,7 @@ class GridSource : public ShapeSource {
       for (int i = 0; i < dimension_; ++i) volume *= static_cast<long double>(side);
       return volume >= static_cast<long double>(options.points);
     };
-    // pow may be off either way.
+    // pow() may be off in either direction.
     const double root = std::pow(static_cast<double>(options.points), 1.0 / dimension_);
     side_ = static_cast<std::uint64_t>(std::max(1.0, root - 2));
     while (!holds(side_)) ++side_;

@@ -15,7 +15,7 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t header_bytes = 375, record_bytes = 20;
-constexpr std::uint8_t point_format = 0;  // coordinates and class: the least that there is
+constexpr std::uint8_t point_format = 0;  // has the least data: coordinates and class
 constexpr double integer_max = 2147483647;
 
 template <class T>
@@ -23,7 +23,7 @@ void store(std::byte* at, T value) {
   std::memcpy(at, &value, sizeof value);
 }
 
-// One axis: coordinate = X / per_unit + offset, per_unit a power of ten (or one over it).
+// One axis: coordinate = X / per_unit + offset. per_unit is a power of ten, or the inverse of one.
 struct Axis {
   double offset = 0;
   int decimals = 0;  // scale = 10^-decimals
@@ -34,7 +34,7 @@ struct Axis {
 
 Axis make_axis(double lo, double hi, double step) {
   Axis axis;
-  // Far from 0 for its size: count from a whole number in its middle.
+  // An axis that is far from 0 for its size gets a whole number in its middle as offset.
   if (std::max(std::abs(lo), std::abs(hi)) > 4 * (hi - lo) && step == 0) axis.offset = std::floor(lo + (hi - lo) / 2);
   const double reach = std::max({std::abs(lo - axis.offset), std::abs(hi - axis.offset), 1e-300});
   if (step != 0) {
@@ -42,7 +42,7 @@ Axis make_axis(double lo, double hi, double step) {
     return axis;
   }
   axis.decimals = static_cast<int>(std::floor(std::log10(integer_max / reach)));
-  axis.decimals = std::clamp(axis.decimals, -300, 22);  // 10^22 is the last power that is a double
+  axis.decimals = std::clamp(axis.decimals, -300, 22);  // 10^22 is the last power that is exact as a double
   return axis;
 }
 
@@ -97,7 +97,7 @@ class LasWriter : public PointWriter {
     store<std::uint16_t>(h.data() + 105, record_bytes);
     if (written_ <= std::numeric_limits<std::uint32_t>::max()) {  // for readers of LAS 1.2
       store(h.data() + 107, static_cast<std::uint32_t>(written_));
-      store(h.data() + 111, static_cast<std::uint32_t>(written_));  // all of them first returns
+      store(h.data() + 111, static_cast<std::uint32_t>(written_));  // all are first returns
     }
     for (int axis = 0; axis < 3; ++axis) {
       const Axis& a = axes_[static_cast<std::size_t>(axis)];

@@ -1,4 +1,4 @@
-// LAS 1.4, point format 0; see writer.h.
+// The writer of LAS 1.4, point format 0; see writer.h.
 #pragma once
 
 #include <memory>

@@ -1,12 +1,12 @@
-// Sine and logarithm of additions, multiplications and divisions alone: IEEE fixes those to the last bit, while every C
-// library rounds its own sin and log. A generated cloud is then the same on every machine.
+// Sine and logarithm from additions, multiplications and divisions alone. IEEE defines these to the last bit, but each
+// C library rounds its own sin and log. So a generated cloud is the same on every machine.
 #pragma once
 
 #include <cmath>
 
 namespace tessera {
 
-// sin(2 pi turns), error below 1e-15. Taylor to x^21 on a quarter turn.
+// sin(2 pi turns), with an error below 1e-15. A Taylor polynomial to x^21 on a quarter turn.
 inline double sine_of_turns(double turns) {
   double r = turns - std::floor(turns + 0.5);
   if (r > 0.25) r = 0.5 - r;
@@ -17,7 +17,8 @@ inline double sine_of_turns(double turns) {
   return x * sum;
 }
 
-// Natural logarithm of a normal v > 0, relative error below 1e-15. v = m 2^e, log m = 2 artanh((m - 1) / (m + 1)).
+// The natural logarithm of a normal v > 0, with a relative error below 1e-15. v = m 2^e, log m = 2 artanh((m - 1) / (m
+// + 1)).
 inline double portable_log(double v) {
   int exponent = 0;
   double m = std::frexp(v, &exponent);

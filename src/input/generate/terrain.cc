@@ -9,9 +9,9 @@ namespace tessera {
 namespace {
 
 constexpr double west = 650'000, south = 6'860'000;  // metres, Lambert-93
-constexpr double spacing = 0.288675;                 // 12 points a square metre
-constexpr double block = 40;                         // side of the squares that hold one building or none
-constexpr double roof_share = 0.25;                  // of the squares
+constexpr double spacing = 0.288675;                 // makes 12 points a square metre
+constexpr double block = 40;                         // the side of a square that has one building or none
+constexpr double roof_share = 0.25;                  // the share of squares with a building
 
 double rounded(double v) { return std::floor(v / Terrain::step() + 0.5) / (1 / Terrain::step()); }
 
@@ -33,7 +33,7 @@ Bounds Terrain::bounds() const {
   return bounds;
 }
 
-// Heights between 40 and 200 m; slopes up to a third.
+// The height of the ground: between 40 and 200 m, with slopes up to a third.
 double Terrain::ground(double x, double y) const {
   const double u = x - west, v = y - south;
   return 120 + 45 * sine_of_turns(u / 1900 + phase_[0]) * sine_of_turns(v / 2300 + phase_[1]) +
@@ -53,7 +53,7 @@ Terrain::Roof Terrain::roof_near(double x, double y) const {
   roof.y_lo = south + row * block + (block - depth) * draw();
   roof.x_hi = roof.x_lo + width;
   roof.y_hi = roof.y_lo + depth;
-  // Flat to the centimetre: thousands of points in one plane, as on real roofs.
+  // A roof is flat to the centimetre, with thousands of points in one plane, as real roofs have.
   roof.height = rounded(ground(roof.x_lo, roof.y_lo) + 4 + 9 * draw());
   return roof;
 }
@@ -70,7 +70,8 @@ Terrain::Return Terrain::at(std::uint64_t index) {
   if (roof.there && x >= roof.x_lo && x <= roof.x_hi && y >= roof.y_lo && y <= roof.y_hi)
     return {{x, y, roof.height}, class_building};
   const double z = ground(x, y) + noise;
-  // A wood where the product of two waves is positive, which is half the land; two fifths of its returns are trees.
+  // Wood grows where the product of two waves is positive, which is half of the land. Two fifths of its returns are
+  // from trees.
   const bool wood = sine_of_turns((x - west) / 310 + phase_[4]) * sine_of_turns((y - south) / 270 + phase_[5]) > 0;
   if (wood && chance < 0.4) return {{x, y, rounded(z + 0.5 + 17.5 * tall * (1 - 0.3 * tall))}, class_tree};
   return {{x, y, rounded(z)}, class_ground};

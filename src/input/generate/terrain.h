@@ -1,4 +1,4 @@
-// A made-up landscape as an airborne scanner sees it: hills, flat roofs, trees.
+// A generated landscape as an airborne scanner sees it: hills, flat roofs, trees.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,12 @@
 
 namespace tessera {
 
-// LAS classes.
+// Classes of LAS.
 inline constexpr std::uint8_t class_ground = 2, class_tree = 5, class_building = 6;
 
-// 12 points a square metre on scan lines 29 cm apart, rounded to steps of 1 cm, near Paris in Lambert-93 metres. Where
-// a roof stands the beam stops at it; of the other points every fifth is a return from vegetation, in patches.
+// A landscape near Paris, in metres of Lambert-93, with 12 points a square metre. Scan lines are 29 cm apart, and
+// coordinates are rounded to steps of 1 cm. A beam that meets a roof stops there. About every fifth of the other points
+// is a return from vegetation, in patches.
 class Terrain {
  public:
   Terrain(std::uint64_t points, std::uint64_t seed);
@@ -21,7 +22,8 @@ class Terrain {
     Point at;
     std::uint8_t classification;
   };
-  // Point `index` < points, in flight order. The calls must be made in order: each draws from one stream of numbers.
+  // Returns point `index`, in the order of the flight. REQUIRES: index < points, and the calls are made in order,
+  // because each draws from one stream of random numbers.
   Return at(std::uint64_t index);
 
   Bounds bounds() const;

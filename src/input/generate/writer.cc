@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// Doubles x y (z), one point after the other, behind a header: PLY and NumPy.
+// Writes doubles x y (z), point after point, behind a header: PLY and NumPy.
 class BinaryWriter : public PointWriter {
  public:
   BinaryWriter(OutputFile file, const WriterOptions& options) : file_(std::move(file)), options_(options) {}
@@ -78,7 +78,7 @@ std::string ply_header(const WriterOptions& options) {
 std::string npy_header(const WriterOptions& options) {
   std::string literal = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(options.points) + ", " +
                         std::to_string(options.dimension) + "), }";
-  literal.resize(117, ' ');  // 10 + 118 bytes: the data begins at a multiple of 64
+  literal.resize(117, ' ');  // 10 + 118 bytes, so that the data begins at a multiple of 64
   literal += '\n';
   return std::string("\x93NUMPY\x01\x00\x76\x00", 10) + literal;
 }

@@ -1,4 +1,4 @@
-// Points to a file: LAS, PLY, NumPy or text, by the extension.
+// Writes points to a file: LAS, PLY, NumPy or text, by the extension.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +12,30 @@
 namespace tessera {
 
 struct WriterOptions {
-  int dimension = 3;         // 2: PLY, NumPy and text files have no z; in LAS it is 0
-  std::uint64_t points = 0;  // how many will be written: exactly that many must be
-  Bounds bounds = {};        // holds them all; LAS needs it to choose its steps
-  double step = 0;           // coordinates are multiples of this power of ten; 0 if they are not
+  int dimension = 3;         // 2: PLY, NumPy and text files have no z, and LAS files have z = 0
+  std::uint64_t points = 0;  // exactly so many points must be written
+  Bounds bounds = {};        // a box around all points, from which LAS chooses its steps
+  double step = 0;           // a power of ten of which coordinates are multiples; 0 if there is none
 };
 
-// .las: LAS 1.4, point format 0. Coordinates become 32-bit integers: multiples of `step`, else of the least power of
-// ten
-//   with which `bounds` fits (1e-9 for the unit cube). Nothing else loses anything:
-// .ply: binary little endian, double.  .npy: n x dimension, f8.
-// .xyz, .txt: blanks between, .csv: commas and a header; the shortest decimals that read back as the same doubles.
+// Writes the points of one file. The formats:
+//   .las: LAS 1.4, point format 0. Coordinates become 32-bit integers: multiples of `step`, or else of the least power
+//         of ten with which `bounds` fits (1e-9 for the unit cube). The other formats lose nothing.
+//   .ply: binary little endian, double.
+//   .npy: n x dimension, f8.
+//   .xyz, .txt: the shortest decimals that are read back as the same doubles, with blanks between them.
+//   .csv: the same with commas, and a header.
 class PointWriter {
  public:
   virtual ~PointWriter() = default;
-  // `classes`: the LAS classification of each point, or empty. Formats other than LAS do not keep it.
-  // Errors io; bad_input if a point lies outside `bounds` so far that LAS cannot hold it.
+  // Writes points. `classes` has the LAS class of each point, or is empty; only LAS files store it. Errors: io;
+  // bad_input if a point lies so far outside `bounds` that LAS cannot store it.
   virtual Status write(std::span<const Point> points, std::span<const std::uint8_t> classes) = 0;
-  // Completes the file under its name; until then it has another, and without this call it is removed.
+  // Completes the file and gives it its name. Without this call the file is removed.
   virtual Status finish() = 0;
 };
 
-// Errors: usage if no writer has this extension, io.
+// Errors: usage if no writer has this extension; io.
 Result<std::unique_ptr<PointWriter>> open_writer(const std::filesystem::path& path, const WriterOptions& options);
 
 }  // namespace tessera

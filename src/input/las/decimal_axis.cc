@@ -18,7 +18,7 @@ __extension__ using Int128 = __int128;
 __extension__ using Uint128 = unsigned __int128;
 
 struct Decimal {
-  std::int64_t digits = 0;  // at most 17 of them
+  std::int64_t digits = 0;  // at most 17 digits
   int exponent = 0;         // value = digits * 10^exponent
 };
 
@@ -37,7 +37,7 @@ Decimal shortest(double value) {
     decimals += after_point;
   }
   if (at != end) {
-    at += at[1] == '+' ? 2 : 1;  // from_chars knows no '+'
+    at += at[1] == '+' ? 2 : 1;  // from_chars() does not accept '+'
     std::from_chars(at, end, decimal.exponent);
   }
   decimal.exponent -= decimals;
@@ -70,7 +70,7 @@ Uint128 multiply_high(Uint128 a, Uint128 b) {
   return a1 * b1 + (mid1 >> 64) + (mid2 >> 64) + carry;
 }
 
-// Division by D = 10^m with a reciprocal of 128 bits, correctly rounded to double or not at all.
+// Division by D = 10^m with a reciprocal of 128 bits. A result is correctly rounded to double, or missing.
 class Reciprocal {
  public:
   explicit Reciprocal(int m) {
@@ -82,23 +82,24 @@ class Reciprocal {
                   static_cast<std::uint64_t>(reciprocal & UINT64_MAX);
   }
 
-  // magnitude / D rounded to nearest; nothing if 128 bits do not show which way to round. REQUIRES: magnitude != 0.
+  // Returns magnitude / D rounded to nearest. Nothing if 128 bits do not show which way to round. REQUIRES: magnitude
+  // != 0.
   std::optional<double> divide(Uint128 magnitude) const {
     const int shift = leading_zeros(magnitude);
     const Uint128 top = multiply_high(magnitude << shift, reciprocal_);
-    // The quotient is t * 2^(1 - L - shift) with top <= t < top + 2: R falls short of 2^(127+L) / D by at most 1, which
-    // the factor below 2^128 makes an error below 1 after the shift, and multiply_high cuts off less than 1.
+    // The quotient is t * 2^(1 - L - shift) with top <= t < top + 2. R is at most 1 less than 2^(127+L) / D. The factor
+    // below 2^128 makes this an error below 1 after the shift, and multiply_high() cuts off less than 1.
     const int extra = 128 - 53 - leading_zeros(top);
     const Uint128 rest = top & ((Uint128{1} << extra) - 1);
     const Uint128 half = Uint128{1} << (extra - 1);
     if (rest == half || rest == half - 1) return std::nullopt;
     const auto mantissa = static_cast<std::uint64_t>(top >> extra) + (rest > half ? 1 : 0);
-    // A power of two between 2^-1022 and 2^1023 (see `divides`), and a product that is a normal double: exact.
+    // This is exact: a power of two between 2^-1022 and 2^1023 (see `divides`), and a product that is a normal double.
     const auto exponent = static_cast<std::uint64_t>(1023 + extra + 1 - divisor_bits_ - shift);
     return static_cast<double>(mantissa) * std::bit_cast<double>(exponent << 52);
   }
 
-  // 10^290 has 964 bits: exponents above are at least 1023 + 74 + 1 - 964 - 127 = 7, and quotients at least 10^-290.
+  // 10^290 has 964 bits. So exponents above are at least 1023 + 74 + 1 - 964 - 127 = 7, and quotients at least 10^-290.
   static bool divides(int m) { return m <= 290; }
 
  private:
@@ -111,7 +112,7 @@ class Reciprocal {
 struct DecimalAxis::Wide {
   cpp_int scale, offset;
   int m = 0;
-  bool fits = false;  // N of every 32-bit X is below 2^127, and m is in the reciprocal's range
+  bool fits = false;  // N is below 2^127 for every 32-bit X, and the reciprocal can divide by 10^m
   Int128 scale128 = 0, offset128 = 0;
   std::optional<Reciprocal> reciprocal;
 };
@@ -151,7 +152,7 @@ double DecimalAxis::slowly(std::int32_t integer) const {
     const auto quotient = wide_->reciprocal->divide(n < 0 ? -static_cast<Uint128>(n) : static_cast<Uint128>(n));
     if (quotient) return n < 0 ? -*quotient : *quotient;
   }
-  // Ties, and offsets or scales so far apart that N has more than 127 bits: about 1 us.
+  // For ties, and for offsets and scales so far apart that N has more than 127 bits. Takes about 1 us.
   const cpp_int n = integer * wide_->scale + wide_->offset;
   return parse_number(n.str() + "e-" + std::to_string(wide_->m)).value_or(0);
 }

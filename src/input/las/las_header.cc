@@ -16,7 +16,7 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t header_bytes_max = 375;
-// Long enough for any coordinate system; an extended record may claim to be 2^64 bytes.
+// Enough for any coordinate system. An extended record may claim to have 2^64 bytes.
 constexpr std::uint64_t payload_bytes_max = 1 << 20;
 constexpr std::array<std::uint16_t, 11> record_bytes_of_format{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
@@ -41,7 +41,7 @@ Bounds declared_bounds(const std::byte* header) {
   return bounds;
 }
 
-// The standard fields of a point format. Wave packets, scan direction and the scanner channel are not carried.
+// The standard fields of a point format. Wave packets, scan direction and scanner channel are left out.
 std::vector<LasField> standard_fields(int format) {
   using enum AttributeType;
   std::vector<LasField> fields;
@@ -61,7 +61,7 @@ std::vector<LasField> standard_fields(int format) {
   bits("key_point", 15, flags + 1, 1);
   bits("withheld", 15, flags + 2, 1);
   if (wide) bits("overlap", 15, 3, 1);
-  // Degrees: whole ones in formats 0-5, steps of 0.006 from 6 on.
+  // The angle in degrees: formats 0-5 have whole degrees, formats from 6 on have steps of 0.006.
   fields.push_back({.attribute = {"scan_angle", f32},
                     .offset = wide ? std::size_t{18} : 16,
                     .stored = wide ? i16 : i8,
@@ -82,8 +82,8 @@ std::vector<LasField> standard_fields(int format) {
   return fields;
 }
 
-// Extra bytes: descriptors of 192 bytes, in the order of the bytes they describe. `offset`: of the first of them;
-// becomes that of what follows.
+// Adds the extra bytes. Their descriptors have 192 bytes each, in the order of the bytes that they describe. `offset`
+// is that of the first extra byte, and becomes that of the next byte.
 void add_extra_fields(std::span<const std::byte> descriptors, LasHeader& header, std::size_t& offset) {
   using enum AttributeType;
   constexpr std::array types{u8, i8, u16, i16, u32, i32, u64, i64, f32, f64};
@@ -92,7 +92,7 @@ void add_extra_fields(std::span<const std::byte> descriptors, LasHeader& header,
   for (std::size_t at = 0; at + 192 <= descriptors.size(); at += 192) {
     const auto d = descriptors.subspan(at, 192);
     const unsigned kind = load<std::uint8_t>(d.data() + 2), options = load<std::uint8_t>(d.data() + 3);
-    if (kind > 30) return;  // reserved: its size is not known, so neither is where the next one stands
+    if (kind > 30) return;  // a reserved kind has an unknown size, so the offset of the next one is unknown
     const unsigned values = kind == 0 ? 1 : (kind - 1) / 10 + 1;
     const AttributeType type = types[kind == 0 ? 0 : (kind - 1) % 10];
     const std::size_t bytes = kind == 0 ? options : size_of(type) * values;
@@ -109,7 +109,7 @@ void add_extra_fields(std::span<const std::byte> descriptors, LasHeader& header,
   }
 }
 
-// Walks over the records between `at` and `end`: `count` of them, with a head of 54 bytes (VLR) or 60 (extended).
+// Reads `count` records between `at` and `end`. A record has a head of 54 bytes (VLR) or 60 bytes (extended VLR).
 class RecordWalk {
  public:
   RecordWalk(const ByteSource& source, LasHeader& header, Projection& projection)
@@ -150,7 +150,7 @@ class RecordWalk {
     if (!(projection || other_wkt || extra || laszip || copc) || length > payload_bytes_max) return success();
     std::vector<std::byte> bytes(static_cast<std::size_t>(length));
     BOOST_OUTCOME_TRYV(source_.read(at, bytes));
-    if (extra) add_extra_fields(bytes, header_, extra_at_);  // a second record goes on where the first one ended
+    if (extra) add_extra_fields(bytes, header_, extra_at_);  // a second record continues where the first one ended
     if (projection && id == 34735) projection_.directory = bytes;
     if (projection && id == 34736) projection_.doubles = bytes;
     if (projection && id == 34737) projection_.ascii = bytes;
@@ -169,9 +169,10 @@ class RecordWalk {
   std::size_t extra_at_;
 };
 
-// Well-known text is exact where GeoTIFF keys may be vague; a few writers gave it a name of their own.
+// Chooses the coordinate system. Well-known text is exact where GeoTIFF keys may be vague. A few writers store it under
+// a name of their own.
 void settle_crs(const Projection& projection, LasHeader& header) {
-  // A few fill the record with two quotation marks: whatever names a system has letters or digits.
+  // A few writers store two quotation marks as the text. The name of a system has letters or digits.
   const bool system = std::any_of(projection.wkt.begin(), projection.wkt.end(),
                                   [](unsigned char c) { return std::isalnum(c) != 0 || c >= 0x80; });
   if (system) header.crs = projection.wkt;

@@ -105,7 +105,7 @@ class LasReader : public PointReader {
   std::array<DecimalAxis, 3> axes_;
   std::unique_ptr<RecordSource> records_;
   std::size_t row_bytes_;
-  std::optional<std::uint64_t> next_rank_ = 0;  // of the record after the last batch; none after a seek
+  std::optional<std::uint64_t> next_rank_ = 0;  // rank of the record after the last batch; none after a seek
   std::vector<LasColumn> columns_;
   std::vector<double> scratch_;
 };

@@ -1,4 +1,5 @@
-// LAS 1.0-1.4, point formats 0-10; LAZ, point formats 0-3 and 6-8; COPC. Coordinates as decimal_axis.h defines them.
+// The reader of LAS 1.0-1.4, point formats 0-10; LAZ, point formats 0-3 and 6-8; and COPC. Coordinates are as in
+// decimal_axis.h.
 #pragma once
 
 #include <memory>

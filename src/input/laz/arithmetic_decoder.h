@@ -1,6 +1,7 @@
-// The adaptive arithmetic coder of LAZ, the decoding half.
+// The decoder of LAZ's adaptive arithmetic coder.
 // Source: A. Said, Introduction to Arithmetic Coding (HP Labs 2004) and its FastAC; rapidlasso, LAZ Specification 1.4.
-// Safe on any bytes: symbols are always below the size of their alphabet. Damage shows as a wrong end of the stream.
+// The decoder is safe on any bytes: a symbol is always below the size of its alphabet. Damage shows as a wrong end of
+// the stream.
 #pragma once
 
 #include <algorithm>
@@ -17,10 +18,10 @@
 
 namespace tessera::laz {
 
-// A bit whose probability is learnt.
+// The model of a bit: its probability is learnt.
 class BitModel {
  public:
-  std::uint32_t zero_share() const { return zero_share_; }  // of 2^13
+  std::uint32_t zero_share() const { return zero_share_; }  // in units of 2^-13
   void count(bool bit) {
     zeros_ += !bit;
     if (--until_update_ == 0) update();
@@ -31,14 +32,14 @@ class BitModel {
   std::uint32_t zeros_ = 1, total_ = 2, zero_share_ = 1u << 12, cycle_ = 4, until_update_ = 4;
 };
 
-// `size` symbols, at most `capacity`, whose probabilities are learnt. share() is cumulative, of 2^15, increasing. How a
-// share is found does not matter to the format: here a table says where to begin for the upper bits of the value, and
-// 16 shares from there on are compared without a branch, which nearly always is enough.
+// The model of `size` symbols, at most `capacity`: their probabilities are learnt. share() is cumulative, in units of
+// 2^-15, and increasing. The format does not say how to find a share. Here a table gives the start by the upper bits of
+// the value, and 16 shares from there on are compared without a branch. That is nearly always enough.
 template <std::uint32_t capacity>
 class SymbolModel {
  public:
   explicit SymbolModel(std::uint32_t size = capacity) : size_(size), cycle_(size) {
-    shares_.fill(UINT16_MAX);  // behind the last symbol: larger than any value
+    shares_.fill(UINT16_MAX);  // shares behind the last symbol exceed any value
     counts_.fill(1);
     update();
     cycle_ = until_update_ = (size_ + 6) >> 1;
@@ -47,7 +48,7 @@ class SymbolModel {
   std::uint32_t size() const { return size_; }
   std::uint32_t share(std::uint32_t symbol) const { return shares_[symbol]; }
 
-  // The last symbol whose share is at most `value`. REQUIRES: value < (table_size << table_shift).
+  // Returns the last symbol whose share is at most `value`. REQUIRES: value < (table_size << table_shift).
   std::uint32_t find(std::uint32_t value) const {
     std::uint32_t begin = 0;
     if constexpr (has_table) begin = table_[value >> table_shift];
@@ -65,11 +66,11 @@ class SymbolModel {
 
  private:
   static constexpr std::uint32_t step = 16, table_shift = 9;
-  // Values reach a little beyond 2^15, because a length is rounded down when it is divided by that: see symbol().
+  // Values may be a little above 2^15, because symbol() divides by a length that was rounded down.
   static constexpr std::uint32_t table_size = (1u << (15 - table_shift)) + 1;
   static constexpr bool has_table = capacity > step;
 
-  // How many of `step` increasing shares are at most `value`, which is below 2^16.
+  // Returns how many of `step` increasing shares are at most `value`, which is below 2^16.
   static std::uint32_t at_most(const std::uint16_t* shares, std::uint32_t value) {
 #ifdef __SSE2__
     const auto* at = reinterpret_cast<const __m128i*>(shares);
@@ -107,7 +108,8 @@ class SymbolModel {
     cycle_ = until_update_ = std::min((5 * cycle_) >> 2, (size_ + 6) << 3);
   }
 
-  std::array<std::uint16_t, capacity + 2 * step> shares_;  // a comparison may begin at the last and go on once
+  // a comparison may begin at the last symbol and be repeated once
+  std::array<std::uint16_t, capacity + 2 * step> shares_;
   std::array<std::uint16_t, capacity> counts_;
   std::array<std::uint16_t, has_table ? table_size : 0> table_;
   std::uint32_t size_, total_ = 0, cycle_, until_update_ = 0;
@@ -118,7 +120,7 @@ class ArithmeticDecoder {
   ArithmeticDecoder() = default;
   explicit ArithmeticDecoder(ByteFeed feed) : feed_(std::move(feed)) {
     for (int i = 0; i < 4; ++i) value_ = value_ << 8 | feed_.byte();
-    // No coder makes this; it would break value_ < length_, on which the bounds of all symbols rest.
+    // No coder makes this value. It would break value_ < length_, on which the bounds of all symbols depend.
     if (value_ == length_) --value_;
   }
 
@@ -145,7 +147,7 @@ class ArithmeticDecoder {
     return symbol;
   }
 
-  // `count` equally likely bits, 1 to 32.
+  // Returns `count` equally likely bits. REQUIRES: 1 <= count <= 32.
   std::uint32_t bits(std::uint32_t count) {
     if (count > 19) {
       const std::uint32_t low = bits(16);
@@ -155,7 +157,7 @@ class ArithmeticDecoder {
     const std::uint32_t bits = value_ / length_;
     value_ -= bits * length_;
     renormalise();
-    // Rounding of length_ leaves room for more than 2^count values, which no coder uses.
+    // The rounding of length_ permits more than 2^count values. No coder uses the others.
     return bits & ((1u << count) - 1);
   }
   std::uint64_t bits64() {

@@ -5,7 +5,7 @@
 namespace tessera::laz {
 namespace {
 
-// A chunk of 50 000 points has some 200 kB in up to nine streams.
+// A chunk of 50,000 points has some 200 kB in up to nine streams.
 constexpr std::uint64_t piece_bytes = 64 << 10;
 constexpr std::size_t zero_bytes = 256;
 

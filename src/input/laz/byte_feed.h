@@ -1,4 +1,5 @@
-// The bytes of one compressed stream, fetched from the file in pieces: memory does not depend on what a file claims.
+// The bytes of one compressed stream, read from the file in pieces, so that memory does not depend on what a file
+// claims.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +11,8 @@
 
 namespace tessera::laz {
 
-// Bytes begin..end of `source`, one after the other. After the last one there are zeros, counted by missing(), so that
-// a decoder need not look for the end at every byte: whoever drives it asks after a block of points.
+// Gives the bytes begin..end of `source` one after the other, and then zeros, which missing() counts. So a decoder need
+// not check for the end at each byte; its caller checks after a block of points.
 class ByteFeed {
  public:
   ByteFeed() = default;
@@ -24,12 +25,12 @@ class ByteFeed {
       refill();
     return *at_++;
   }
-  // The file offset of the next byte, which byte() would give.
+  // The file offset of the byte that byte() would return next.
   std::uint64_t position() const { return next_ - static_cast<std::uint64_t>(stop_ - at_); }
   std::uint64_t end() const { return end_; }
-  // How many zeros were made up after the end.
+  // The number of zeros that were returned after the end.
   std::uint64_t missing() const { return zeros_ - (zeros_ > 0 ? static_cast<std::uint64_t>(stop_ - at_) : 0); }
-  // The first error of the source; zeros are given from there on.
+  // The first error of the source. After an error byte() returns zeros.
   const Status& status() const { return status_; }
 
  private:

@@ -1,4 +1,4 @@
-// What all layers but the first have in common: a stream, and a state for each scanner channel.
+// The common part of all layers except the first: a stream, and a state for each scanner channel.
 #pragma once
 
 #include <array>
@@ -13,39 +13,40 @@
 
 namespace tessera::laz {
 
-// What the first layer says of a point that the others are predicted from.
+// What the first layer says about a point. The other layers use it for predictions.
 struct PointStep {
-  std::uint8_t channel = 0;    // of the scanner, 0-3
-  std::uint8_t placement = 0;  // 3 single, 2 first of several, 1 last, 0 between
-  std::uint8_t level = 0;      // return_level()
+  std::uint8_t channel = 0;    // the scanner channel, 0-3
+  std::uint8_t placement = 0;  // 3: single return, 2: first of several, 1: last, 0: in between
+  std::uint8_t level = 0;      // see return_level()
   std::uint8_t z_context = 0;
-  bool new_time = false, new_angle = false, new_source = false;  // compared to the last point of the channel
+  bool new_time = false, new_angle = false, new_source = false;  // compared with the last point of the channel
 };
 
-// A layer other than the first.
+// A layer after the first.
 class Layer {
  public:
   virtual ~Layer() = default;
-  // Writes its field into as many records as there are `steps`.
+  // Writes the layer's field into steps.size() records, `stride` bytes each.
   virtual void decode(std::span<const PointStep> steps, std::byte* records, std::size_t stride) = 0;
   // Null for an empty layer.
   virtual const ByteFeed* feed() const = 0;
-  // Whether its field is one of the extra bytes.
+  // Whether the layer's field is one of the extra bytes.
   virtual bool extra_byte() const = 0;
 };
 
-// `State` has the models of one channel: Value next(decoder, step, last) gives the value after `last`, and
-// State(Value) begins a channel. A channel that appears first takes the last value of the channel before it. An empty
-// layer says that all values are that of the first point. in_record(value, step), if there is one, adds what the first
-// layer has said.
+// A layer whose `State` has the models of one channel. Value next(decoder, step, last) returns the value after `last`,
+// and State(Value) begins a channel. A channel that is new begins with the last value of the channel before it. In an
+// empty layer all values are that of the first point. in_record(value, step), if State has it, adds what the first
+// layer says.
 template <class State>
 class ChannelLayer : public Layer {
  public:
   using Value = typename State::Value;
 
-  // `first`: the value of the chunk's first point, of `channel`; `at`: of the field in a record. `version_3`: colours
-  // and extra bytes of version 3 take, at a change to a channel already seen, the last value of the channel that is
-  // left, and put the new one there; files were written so, and version 4 exists because of it.
+  // `first` is the value of the chunk's first point, which is of `channel`. `at` is the offset of the field in a
+  // record. `version_3` is for colours and extra bytes: at a change to a channel that was seen before, version 3 takes
+  // the last value of the channel that is left, and stores the new value there. Files were written in this way, and
+  // version 4 exists because of it.
   ChannelLayer(ByteFeed feed, Value first, unsigned channel, std::size_t at, bool version_3)
       : empty_(feed.position() == feed.end()), at_(at), version_3_(version_3), current_(channel), first_(first) {
     if (empty_) return;

@@ -30,13 +30,13 @@ class PointwiseDecoder : public ChunkDecoder {
     return check_stream(decoder_.feed());
   }
 
-  // What is not chunked ends nobody knows where: other things may stand behind it.
+  // Points that are not chunked have no known end, because other data may follow them.
   Status check_end() const override {
     return chunked_ && chunk_.points > 1 ? check_stream_end(decoder_.feed()) : success();
   }
 
  private:
-  // The first point is stored as it is.
+  // The first point is stored uncompressed.
   Status begin(std::byte* record) {
     begun_ = true;
     if (chunk_.end - chunk_.begin < record_bytes_) return error(Errc::bad_input, "ends within its first point");

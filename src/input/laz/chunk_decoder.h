@@ -1,4 +1,4 @@
-// One chunk of compressed points: what can be decoded without looking at any other.
+// One chunk of compressed points. A chunk can be decoded without the others.
 #pragma once
 
 #include <cstddef>
@@ -12,41 +12,42 @@
 
 namespace tessera::laz {
 
-// Where a chunk stands in the file, and its points in the order of the file.
+// Where a chunk is in the file, and which points it has, in the order of the file.
 struct Chunk {
-  std::uint64_t begin = 0, end = 0;  // bytes
+  std::uint64_t begin = 0, end = 0;  // the chunk's first byte in the file, and the byte after its last
   std::uint64_t first = 0, points = 0;
 };
 
 // What is to be decoded of records of `record_bytes` bytes.
 struct RecordPlan {
   std::size_t record_bytes = 0;
-  // For each byte of a record, whether anybody will look at it. Layers of point formats 6-8 with no such byte are not
-  // read; x, y, z always are.
+  // For each byte of a record, whether the caller needs it. In point formats 6-8, layers without such a byte are not
+  // read. x, y and z are always decoded.
   std::vector<bool> wanted;
 };
 
-// Decodes a chunk from its first point to its last, in as many steps as the caller likes.
+// Decodes a chunk from its first point to its last, in as many calls as the caller likes.
 class ChunkDecoder {
  public:
   virtual ~ChunkDecoder() = default;
-  // The next `n` records, one after the other, to `records`. Bytes that nobody wanted are left as they are or zero.
-  // Error bad_input if the compressed bytes end before, io if they cannot be read: a reason without file and place,
-  // which the caller knows better. REQUIRES: no more calls after an error, nor for more points than the chunk has.
+  // Writes the next `n` records to `records`. Bytes that are not wanted keep their value or become zero. Errors:
+  // bad_input if the compressed bytes end too early; io if they cannot be read. The error is a reason without file and
+  // place, which the caller adds. REQUIRES: no call follows an error, or asks for more points than the chunk has.
   virtual Status decode(std::size_t n, std::byte* records) = 0;
-  // After the last point: error bad_input if compressed bytes of the chunk are left over. LAZ has no checksum, but a
-  // coder that was misled by a wrong bit nearly always ends at the wrong byte.
+  // To be called after the last point: error bad_input if compressed bytes of the chunk are left over. LAZ has no
+  // checksum, but a decoder that was misled by a wrong bit nearly always ends at the wrong byte.
   virtual Status check_end() const = 0;
 };
 
-// `source` must outlive the decoder; `layout` and `plan` need not. REQUIRES: layout.compressor is not none;
-// chunk.begin <= chunk.end <= source.size().
+// Makes the decoder of a chunk. `source` must outlive the decoder; `layout` and `plan` need not. REQUIRES:
+// layout.compressor is not none; chunk.begin <= chunk.end <= source.size(). make_layered_decoder() is for
+// layered_chunked only.
 std::unique_ptr<ChunkDecoder> make_chunk_decoder(const ByteSource& source, const LazLayout& layout,
                                                  const RecordPlan& plan, const Chunk& chunk);
 std::unique_ptr<ChunkDecoder> make_layered_decoder(const ByteSource& source, const LazLayout& layout,
                                                    const RecordPlan& plan, const Chunk& chunk);
 
-// The reasons both kinds give.
+// Errors of both kinds of decoders: bytes were missing, or bytes are left over.
 Status check_stream(const class ByteFeed& feed);
 Status check_stream_end(const class ByteFeed& feed);
 

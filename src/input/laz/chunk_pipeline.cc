@@ -30,7 +30,7 @@ ChunkPipeline::ChunkPipeline(const ByteSource& source, const LazLayout& layout, 
   try {
     for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
   } catch (...) {
-    stop();  // those that were started
+    stop();  // the threads that were started
     throw;
   }
 }

@@ -1,4 +1,4 @@
-// Several chunks decoded at once, their points handed out in the order of the file.
+// Decodes several chunks at once and hands out their points in the order of the file.
 #pragma once
 
 #include <condition_variable>
@@ -16,19 +16,19 @@ namespace tessera::laz {
 
 // Consecutive records of one chunk.
 struct RecordBlock {
-  std::uint64_t first = 0;  // rank in the file of the first one
+  std::uint64_t first = 0;  // the rank in the file of the first record
   std::size_t records = 0;
   std::vector<std::byte> bytes;
 };
 
-// How many records a block has at most, so that it takes some 4 MiB.
+// The most records in a block, so that a block takes some 4 MiB.
 std::size_t block_records(std::size_t record_bytes);
 
-// `reason` as the error of a chunk: names the file and the records.
+// Returns `reason` as the error of a chunk, with the file and the records.
 Error chunk_error(const ByteSource& source, const Chunk& chunk, const Error& reason);
 
-// Threads take the chunks in order, and may be ahead of the reader by as many chunks as there are threads, each with
-// at most two blocks waiting: memory does not depend on the size of a chunk.
+// Threads take the chunks in order. They may be ahead of the reader by as many chunks as there are threads. At most two
+// blocks of each chunk wait, so memory does not depend on the size of a chunk.
 class ChunkPipeline {
  public:
   // REQUIRES: threads > 0; all references outlive this.
@@ -38,8 +38,8 @@ class ChunkPipeline {
   ChunkPipeline& operator=(const ChunkPipeline&) = delete;
   ~ChunkPipeline();
 
-  // Replaces `block` by the next one; one without records is the end. Errors are those of the chunk decoders, given at
-  // the place where the points are missing: call no more after one.
+  // Replaces `block` by the next block. A block without records is the end. Errors are those of the chunk decoders,
+  // returned where the points are missing. REQUIRES: no call follows an error.
   Status next(RecordBlock& block);
 
  private:
@@ -61,10 +61,11 @@ class ChunkPipeline {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::size_t taken_ = 0, front_ = 0;  // chunks that a thread has begun; the one the reader is at
+  // the number of chunks that threads have begun; the chunk at which the reader is
+  std::size_t taken_ = 0, front_ = 0;
   bool stop_ = false;
   std::vector<Slot> slots_;
-  std::vector<std::vector<std::byte>> spare_;  // memory of blocks that were read
+  std::vector<std::vector<std::byte>> spare_;  // the memory of blocks that were read
   std::vector<std::jthread> threads_;
 };
 

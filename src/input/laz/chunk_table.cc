@@ -21,7 +21,8 @@ Result<std::vector<Chunk>> read_chunk_table(const ByteSource& source, const LazL
   const std::uint64_t first_at = points_at + raw.size();
   if (first_at > source.size()) return bad("the file ends before the place that points to it");
   BOOST_OUTCOME_TRYV(source.read(points_at, raw));
-  if (load<std::int64_t>(raw.data()) == -1) {  // the writer could not go back to fill it in, and added it at the end
+  // a writer that cannot go back writes this value at the end of the file instead
+  if (load<std::int64_t>(raw.data()) == -1) {
     BOOST_OUTCOME_TRYV(source.read(source.size() - raw.size(), raw));
   }
   const auto table_at = load<std::uint64_t>(raw.data());

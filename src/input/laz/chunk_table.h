@@ -1,4 +1,4 @@
-// Where the chunks of a LAZ file are.
+// The places of the chunks in a LAZ file.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@
 
 namespace tessera::laz {
 
-// The chunks of the `points` points whose bytes begin at `points_at`, in the order of the file; together they have all
-// points. A file that is not chunked is one chunk. Errors bad_input, naming the file: no table, because the file was
-// not finished; chunks that do not fit the file or the number of points; more chunks than there are bytes for. Source:
-// rapidlasso, LAZ Specification 1.4.
+// Returns the chunks of the `points` points whose bytes begin at `points_at`, in the order of the file. Together they
+// have all points. A file that is not chunked is one chunk. Error bad_input, naming the file: there is no table,
+// because the file was not finished; the chunks do not fit the file or the number of points; there are more chunks than
+// bytes permit.
+// Source: rapidlasso, LAZ Specification 1.4.
 Result<std::vector<Chunk>> read_chunk_table(const ByteSource& source, const LazLayout& layout, std::uint64_t points_at,
                                             std::uint64_t points, std::size_t record_bytes);
 

@@ -1,4 +1,5 @@
-// Colours: which bytes changed, then the changed ones as differences that follow those of red.
+// Colours: first which bytes have changed, then the changed bytes as differences. Green and blue are predicted from
+// red.
 // Source: rapidlasso, LAZ Specification 1.4.
 #pragma once
 
@@ -16,7 +17,7 @@ struct Rgb {
 
 inline std::uint32_t clamp_byte(int value) { return static_cast<std::uint32_t>(std::clamp(value, 0, 255)); }
 
-// RGB12 version 2 and RGB14 versions 3 and 4.
+// The models of RGB12 version 2 and RGB14 versions 3 and 4.
 class RgbModels {
  public:
   Rgb next(ArithmeticDecoder& decoder, const Rgb& last) {
@@ -28,7 +29,7 @@ class RgbModels {
     const std::uint32_t red_high = byte(1, high(last.red), high(last.red));
     const Rgb grey{joined(red, red_high), joined(red, red_high), joined(red, red_high)};
     if ((changed >> 6 & 1) == 0) return grey;
-    // Green follows red, blue the mean of both. The low bytes come first.
+    // Green is predicted from red, and blue from the mean of both. The low bytes come first.
     const auto pair = [&](unsigned bit, int red_moved, std::uint32_t last_green, std::uint32_t last_blue) {
       const std::uint32_t green = byte(bit, clamp_byte(red_moved + static_cast<int>(last_green)), last_green);
       const int moved = (red_moved + static_cast<int>(green) - static_cast<int>(last_green)) / 2;
@@ -52,7 +53,7 @@ class RgbModels {
   std::array<SymbolModel<256>, 6> differences_;  // low and high byte of red, green, blue
 };
 
-// The near infrared of RGBNIR14.
+// The models of the near infrared of RGBNIR14.
 class NirModels {
  public:
   std::uint16_t next(ArithmeticDecoder& decoder, std::uint16_t last) {

@@ -10,7 +10,7 @@ namespace tessera::laz {
 namespace {
 
 constexpr std::size_t info_bytes = 160, entry_bytes = 32;
-// At level 30 a cube of the earth's size is a centimetre wide; x, y and z of a key must stay below 2^31.
+// At level 30 a cube of the earth's size is a centimetre wide. x, y and z of a key must stay below 2^31.
 constexpr std::int32_t level_max = 30;
 
 struct Page {
@@ -18,8 +18,8 @@ struct Page {
 };
 
 struct Octree {
-  std::array<double, 3> lo{};  // of the root cube
-  double side = 0, slack = 0;  // slack: what rounding may put a point beyond its cube
+  std::array<double, 3> lo{};  // the lower corner of the root cube
+  double side = 0, slack = 0;  // slack: how far rounding may put a point outside its cube
   std::int32_t finest = level_max;
 
   Bounds cube(std::int32_t level, const std::array<std::int32_t, 3>& key) const {
@@ -40,8 +40,8 @@ bool meets(const Bounds& bounds, const Box& box) {
   return true;
 }
 
-// What of `cube` is in the header's box, which the same rounding may have made too small. All of it when nothing is:
-// one of the two is wrong then.
+// Returns the part of `cube` within the header's box, which rounding may have made too small by `slack`. If there is no
+// such part, one of the two is wrong, and the whole cube is returned.
 Bounds clipped(const Bounds& cube, const Bounds& header, double slack) {
   if (header.empty()) return cube;
   Bounds both;
@@ -95,7 +95,7 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
     };
     if (page.offset > source.size() || page.bytes > source.size() - page.offset)
       return bad_page("its " + std::to_string(page.bytes) + " bytes reach beyond the file");
-    // Pages do not overlap, so together they are no longer than the file, unless they lead in a circle.
+    // Pages do not overlap. So together they are at most as long as the file, unless they lead in a circle.
     if ((bytes_read += page.bytes) > source.size()) return bad_page("is longer, with those before it, than the file");
     raw.resize(page.bytes);
     BOOST_OUTCOME_TRYV(source.read(page.offset, raw));

@@ -15,20 +15,21 @@
 
 namespace tessera::laz {
 
-// A node with points: these are one chunk.
+// A node of the octree that has points. Such a node is one chunk.
 struct CopcNode {
   std::uint64_t offset = 0, bytes = 0, points = 0;
-  Bounds bounds;  // of its points, as the file states them: its cube, as far as it is in the header's box
+  Bounds bounds;  // a box of its points as the file states it: the node's cube within the header's box
 };
 
-// The nodes whose cube meets hints.crop and whose level is not finer than needed: levels 0 to L, L being the first with
-// spacing / 2^L <= hints.resolution (all without one). Only the pages that lead to them are read. Errors bad_input: an
-// info record or hierarchy that is not one, pages beyond the file or that lead to one another.
+// Returns the nodes whose cube meets hints.crop and whose level is not finer than needed. These are the levels 0 to L,
+// where L is the first level with spacing / 2^L <= hints.resolution; without a resolution all levels. Only the pages
+// that lead to these nodes are read. Error bad_input for a wrong info record or hierarchy, and for pages beyond the
+// file or in a circle.
 // REQUIRES: header.copc is not empty.
 Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const LasHeader& header,
                                               const ReadHints& hints);
 
-// The chunks that are these nodes, in the order of the file. Error bad_input if a node is no chunk.
+// Returns the chunks of these nodes, in the order of the file. Error bad_input if a node is no chunk.
 Result<std::vector<Chunk>> chunks_of_nodes(const std::string& path, const std::vector<Chunk>& chunks,
                                            std::vector<CopcNode> nodes);
 

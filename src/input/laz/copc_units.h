@@ -12,14 +12,14 @@ namespace tessera::laz {
 
 // A node of the octree: consecutive records.
 struct CopcUnit {
-  std::uint64_t first = 0, points = 0;  // records of the file
-  std::uint64_t bytes = 0;              // compressed
-  Bounds bounds;                        // closed, of all its points, as the file states them
+  std::uint64_t first = 0, points = 0;  // records in the file
+  std::uint64_t bytes = 0;              // compressed bytes
+  Bounds bounds;                        // a closed box of all its points, as the file states it
 };
 
-// The nodes with points, as far as `resolution` wants them (see ReadHints), in the order of the file. Reads no points.
-// Errors bad_input: those of the header, the chunk table and the hierarchy; with resolution 0 also a chunk that is no
-// node: nobody says where its points are. REQUIRES: it is a COPC file.
+// Returns the nodes with points that `resolution` needs (see ReadHints), in the order of the file. Reads no points.
+// Error bad_input: those of the header, the chunk table and the hierarchy. With resolution 0 also a chunk that is no
+// node, because the file does not say where its points are. REQUIRES: the file is COPC.
 Result<std::vector<CopcUnit>> read_copc_units(const ByteSource& source, double resolution);
 
 }  // namespace tessera::laz

@@ -1,4 +1,4 @@
-// GPS times: doubles, compressed as the integers of their bits. Up to four sequences (flight lines) are told apart.
+// GPS times: doubles that are compressed as the integers of their bits, in up to four sequences (flight lines).
 // Source: rapidlasso, LAZ Specification 1.4.
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace tessera::laz {
 
-// GPSTIME11 version 2 (`may_repeat`: a code of its own says that the time is the last one) and the GPS time layer of
-// POINT14 version 3, which leaves such points out.
+// The times of GPSTIME11 version 2, where `may_repeat` adds a code for "the same time again", and of the GPS time layer
+// of POINT14 version 3, which leaves out such points.
 template <bool may_repeat>
 class GpsTimes {
  public:
@@ -20,8 +20,8 @@ class GpsTimes {
   std::int64_t next(ArithmeticDecoder& decoder) {
     while (true) {
       auto& s = sequences_[current_];
-      // Codes: what each model has for itself, then (the time again,) the first time of a new sequence, and one of the
-      // three other sequences, whose code comes next.
+      // The codes: first those of the model itself, then the same time again (if may_repeat), then the first time of a
+      // new sequence, then a change to one of the three other sequences, whose code follows.
       std::uint32_t code;
       if (s.difference == 0) {
         code = decoder.symbol(first_differences_);
@@ -51,8 +51,8 @@ class GpsTimes {
 
   struct Sequence {
     std::int64_t time = 0;
-    std::int32_t difference = 0;  // the usual one; 0 if there is none yet
-    std::uint32_t extremes = 0;   // differences in a row that were no small multiple of it
+    std::int32_t difference = 0;  // the usual difference; 0: none yet
+    std::uint32_t extremes = 0;   // successive differences that were no small multiple of the usual one
   };
 
   std::int32_t difference(Sequence& s, std::uint32_t code, ArithmeticDecoder& decoder) {

@@ -1,5 +1,5 @@
-// Integers as corrections of a prediction: how many bits the correction has, then the upper ones of those as a symbol
-// and the rest as they are. Source: rapidlasso, LAZ Specification 1.4.
+// Integers as corrections of a prediction. A symbol says how many bits the correction has. Its upper bits follow as a
+// symbol, and the other bits as they are. Source: rapidlasso, LAZ Specification 1.4.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 namespace tessera::laz {
 
-// Numbers of `bits` bits (modulo 2^bits), with `contexts` ways to be predicted. Models come to be when they are first
-// used: most never are.
+// Numbers of `bits` bits (modulo 2^bits) that are predicted in one of `contexts` ways. Models are made when they are
+// first used, because most are never used.
 template <std::uint32_t bits, std::uint32_t contexts = 1>
 class IntegerDecoder {
  public:
-  // The number that `prediction` was meant to be. REQUIRES: context < contexts.
+  // Returns the number that was predicted as `prediction`. REQUIRES: context < contexts.
   std::int32_t next(ArithmeticDecoder& decoder, std::int32_t prediction, std::uint32_t context = 0) {
     auto& model = lengths_[context];
     if (!model) model = std::make_unique<SymbolModel<bits + 1>>();
@@ -27,13 +27,13 @@ class IntegerDecoder {
       return static_cast<std::int32_t>(sum & ((1u << bits) - 1));
     }
   }
-  // Bits of the last correction: the larger, the worse the prediction. At most `bits`.
+  // The number of bits of the last correction, at most `bits`. It is larger for worse predictions.
   std::uint32_t length() const { return length_; }
 
  private:
   static constexpr std::uint32_t upper_bits = 8;
 
-  // Of length k > 0: -2^k + 1 .. -2^(k-1) or 2^(k-1) + 1 .. 2^k.
+  // A correction of length k > 0 is in -2^k + 1 .. -2^(k-1) or in 2^(k-1) + 1 .. 2^k.
   std::uint32_t correction(ArithmeticDecoder& decoder) {
     if (length_ == 0) return decoder.bit(zero_or_one_);
     if (length_ == 32) return 1u << 31;

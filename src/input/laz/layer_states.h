@@ -1,4 +1,4 @@
-// The layers of point formats 6 to 8 after the first, one class a field: see ChannelLayer.
+// The layers of point formats 6 to 8 after the first, one class for each field: see ChannelLayer.
 // Source: LASzip, design/specification.rst; rapidlasso, LAZ Specification 1.4.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace tessera::laz {
 
-// A byte in one of 64 contexts, most of which never occur.
+// A byte in one of 64 contexts. Most contexts never occur.
 class ByteInContext {
  public:
   std::uint8_t next(ArithmeticDecoder& decoder, unsigned context) {
@@ -47,8 +47,8 @@ struct ClassificationState {
   ByteInContext bytes;
 };
 
-// Byte 15 of a record: four flags of the point, scan direction, edge of the flight line. Between them stands the
-// channel, which the first layer says.
+// Byte 15 of a record: four flags of the point, scan direction, edge of the flight line. Between them is the channel,
+// which comes from the first layer.
 struct FlagsState {
   using Value = std::uint8_t;
   static constexpr bool keeps_own_last = false, extra_byte = false;
@@ -128,7 +128,7 @@ struct RgbState {
 struct NirState {
   using Value = std::uint16_t;
   static constexpr bool extra_byte = false;
-  static constexpr bool keeps_own_last = true;  // in version 3, unlike the colours beside it
+  static constexpr bool keeps_own_last = true;  // also in version 3, unlike the colours
   explicit NirState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) { return models.next(decoder, last); }
   NirModels models;

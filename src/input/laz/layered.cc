@@ -1,5 +1,5 @@
-// Point formats 6 to 8: each group of fields has a stream of its own, a layer, which is read only if it is wanted.
-// A layer is decoded for many points at once: its models then stay in the cache.
+// Point formats 6 to 8. Each group of fields has a stream of its own, a layer, which is read only if it is wanted. A
+// layer is decoded for many points at once, because then its models stay in the cache.
 // Source: LASzip, design/specification.rst; rapidlasso, LAZ Specification 1.4.
 #include <algorithm>
 #include <array>
@@ -50,7 +50,7 @@ class LayeredDecoder : public ChunkDecoder {
   }
 
   Status check_end() const override {
-    if (chunk_.points < 2) return success();  // the streams were not begun
+    if (chunk_.points < 2) return success();  // then no stream was begun
     BOOST_OUTCOME_TRYV(check_stream_end(xy_->feed()));
     for (const auto& layer : layers_)
       if (const ByteFeed* feed = layer->feed()) {
@@ -60,8 +60,9 @@ class LayeredDecoder : public ChunkDecoder {
   }
 
  private:
-  // Such files exist: laz-perf, up to 3.4 at least, does not follow the specification for extra bytes when points of
-  // several scanner channels take turns, and LASzip cannot read them either. Everything else in them is right.
+  // Adds advice to an error in extra bytes. Such files exist: laz-perf, up to 3.4 at least, does not follow the
+  // specification for extra bytes when points of several scanner channels alternate. LASzip cannot read them either.
+  // The rest of such a file is right.
   Status check_layer(const Layer& layer, const Status& status) const {
     if (status.has_value() || status.error().code != Errc::bad_input || !layer.extra_byte()) return status;
     return error(Errc::bad_input, status.error().where +
@@ -69,7 +70,7 @@ class LayeredDecoder : public ChunkDecoder {
                                       "leave out the attributes that are not LAS's own");
   }
 
-  // The chunk begins with its first point as it is, the number of its points, and the lengths of all its layers.
+  // The chunk begins with its first point uncompressed, its number of points, and the lengths of all its layers.
   Status begin(std::byte* record) {
     const std::size_t extra_bytes = layout_.items.back().type == ItemType::byte_14 ? layout_.items.back().bytes : 0;
     const bool rgb = layout_.items.size() > 1 && layout_.items[1].type != ItemType::byte_14;
@@ -117,7 +118,7 @@ class LayeredDecoder : public ChunkDecoder {
     std::uint64_t begin, end;
   };
 
-  // The place of the layer whose length stands at `lengths`, which moves on to the next.
+  // Returns the place of the layer whose length is at `lengths`, and moves `lengths` to the next length.
   Result<Range> take(const std::byte*& lengths) {
     const std::uint64_t bytes = load<std::uint32_t>(lengths);
     lengths += 4;
@@ -127,7 +128,7 @@ class LayeredDecoder : public ChunkDecoder {
     return Range{next_ - bytes, next_};
   }
 
-  // The layer of the field at byte `at` of a record, if anybody wants it.
+  // Adds the layer of the field at byte `at` of a record, if it is wanted.
   template <class State>
   Status add(const std::byte*& lengths, const std::byte* first, std::size_t at, std::uint16_t version = 4) {
     BOOST_OUTCOME_TRY(range, take(lengths));

@@ -1,4 +1,4 @@
-// From the header of a LAZ or COPC file to its records.
+// Opens the records of a LAZ or COPC file from its header.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,13 @@ namespace tessera::laz {
 
 struct LazRecords {
   std::unique_ptr<RecordSource> records;
-  std::uint64_t points = 0;  // that `records` gives: fewer than the file has if the hints let COPC nodes be left out
+  std::uint64_t points = 0;       // how many `records` gives; fewer than in the file when hints leave out COPC nodes
   std::uint64_t seek_points = 0;  // see FileInfo
 };
 
-// REQUIRES: header is that of `source`, and compressed. Errors bad_input: point formats with waveforms, no or a wrong
-// LASzip record, chunk table or COPC hierarchy. A file that is not COPC is read whole.
+// Opens the records. Hints apply to COPC only; other files are read whole. Error bad_input for point formats with
+// waveforms, and for a missing or wrong LASzip record, chunk table or COPC hierarchy. REQUIRES: `header` is that of
+// `source`, and compressed.
 Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, RecordPlan plan,
                                     const ReadHints& hints);
 

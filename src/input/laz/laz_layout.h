@@ -23,7 +23,8 @@ enum class ItemType : std::uint16_t {
   byte_14 = 14
 };
 
-// Nobody has more; each costs a kilobyte of models while a chunk is decoded.
+// The most extra bytes of a record. No known file has more, and each byte costs a kilobyte of models while a chunk is
+// decoded.
 inline constexpr std::uint16_t extra_bytes_max = 2048;
 
 struct LazItem {
@@ -33,7 +34,7 @@ struct LazItem {
 
 struct LazLayout {
   Compressor compressor = Compressor::none;
-  std::uint32_t chunk_points = 0;  // UINT32_MAX: the chunk table says how many points a chunk has
+  std::uint32_t chunk_points = 0;  // UINT32_MAX: the chunk table has the number of points of each chunk
   std::vector<LazItem> items;
   bool chunked() const {
     return compressor == Compressor::pointwise_chunked || compressor == Compressor::layered_chunked;
@@ -41,8 +42,8 @@ struct LazLayout {
   bool variable_chunks() const { return chunked() && chunk_points == UINT32_MAX; }
 };
 
-// `record`: the payload. Errors bad_input, each naming `path`: a record that ends early, a coder or version that is not
-// known, items that do not make up records of `record_bytes` bytes in `point_format`.
+// Reads the LASzip record; `record` is its payload. Error bad_input, naming `path`, for a record that ends early, an
+// unknown coder or version, and items that do not make up records of `record_bytes` bytes in `point_format`.
 Result<LazLayout> read_laz_layout(const std::string& path, std::span<const std::byte> record, int point_format,
                                   std::uint16_t record_bytes);
 

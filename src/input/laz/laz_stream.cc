@@ -7,7 +7,7 @@
 namespace tessera::laz {
 namespace {
 
-// Each has up to 5 MiB waiting; eight decode 30 million points a second, more than anybody takes.
+// Each thread has up to 5 MiB waiting. Eight threads decode 30 million points a second, more than any caller takes.
 constexpr unsigned threads_max = 8;
 
 }  // namespace

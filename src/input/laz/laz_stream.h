@@ -1,4 +1,4 @@
-// The records of a LAZ file as if they were not compressed.
+// The records of a LAZ file, read as if they were not compressed.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace tessera::laz {
 
-// Reads through `chunks` in order. Whoever asks for full batches is served by `threads` threads, but at most eight;
-// whoever asks for a few points at a time (a sample, after a seek) by one decoder that starts at the beginning of the
-// chunk in question.
+// Reads `chunks` in order. Callers that ask for full batches are served by `threads` threads, at most eight. Callers
+// that ask for a few points at a time (a sample, after a seek) are served by one decoder, which starts at the beginning
+// of the chunk.
 class LazStream : public RecordSource {
  public:
-  // `chunks`: some or all of the file's, with points, in the order of the file.
+  // `chunks`: some or all chunks of the file, in the order of the file. Each has points.
   LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, RecordPlan plan, std::vector<Chunk> chunks,
             unsigned threads);
 
   Result<std::span<const std::byte>> next(std::size_t most) override;
-  // To the record of that rank among those of `chunks`.
+  // Makes the record with this rank among the records of `chunks` the next one.
   void seek(std::uint64_t record) override;
   std::size_t record_bytes() const override { return plan_.record_bytes; }
   std::uint64_t first_of_last_block() const override { return first_; }
@@ -37,12 +37,12 @@ class LazStream : public RecordSource {
   unsigned threads_;
 
   std::uint64_t first_ = 0;
-  std::size_t chunk_ = 0;     // the next record is of this chunk,
-  std::uint64_t offset_ = 0;  // so many after its first
+  std::size_t chunk_ = 0;     // the chunk of the next record
+  std::uint64_t offset_ = 0;  // the next record's rank in that chunk
   std::unique_ptr<ChunkDecoder> decoder_;
-  std::uint64_t decoded_ = 0;  // records of chunk_ that decoder_ has given
+  std::uint64_t decoded_ = 0;  // records of chunk_ that decoder_ has returned
   RecordBlock block_;
-  std::size_t used_ = 0;  // records of block_, of the pipeline's
+  std::size_t used_ = 0;  // records of block_ that were returned, if it is the pipeline's
   std::unique_ptr<ChunkPipeline> pipeline_;
 };
 

@@ -14,14 +14,15 @@ namespace {
 struct Point10 {
   std::int32_t x = 0, y = 0, z = 0;
   std::uint16_t intensity = 0;
-  std::uint8_t returns = 0;  // 3 bits return number, 3 bits number of returns, scan direction, edge of flight line
+  // return number (3 bits), number of returns (3 bits), scan direction, edge of flight line
+  std::uint8_t returns = 0;
   std::uint8_t classification = 0;
   std::uint8_t scan_angle = 0, user_data = 0;
   std::uint16_t source = 0;
 };
 static_assert(sizeof(Point10) == 20);
 
-// A byte that is predicted by its last value: one model for each of those, made when needed.
+// A byte that is predicted from its value in the last point. Each such value has a model, made when first needed.
 class ByteByLast {
  public:
   std::uint8_t next(ArithmeticDecoder& decoder, std::uint8_t last) {
@@ -38,7 +39,7 @@ class Point10Version2 : public PointItem {
  public:
   void first(const std::byte* raw) override {
     std::memcpy(&last_, raw, sizeof last_);
-    last_.intensity = 0;  // the intensity of the first point is not the prediction of any other
+    last_.intensity = 0;  // the first point's intensity predicts no other intensity
   }
 
   void next(ArithmeticDecoder& decoder, std::byte* to) override {
@@ -71,7 +72,7 @@ class Point10Version2 : public PointItem {
 
  private:
   Point10 last_;
-  std::array<std::uint16_t, 16> intensities_of_{};  // of the last point with the same kind of return
+  std::array<std::uint16_t, 16> intensities_of_{};  // those of the last points with the same kind of return
   std::array<RunningMedian, 16> dx_, dy_;
   std::array<std::int32_t, 8> z_of_{};
   SymbolModel<64> changed_;

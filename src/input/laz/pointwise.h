@@ -1,4 +1,4 @@
-// Point formats 0 to 3: all fields of a point from one stream, item after item.
+// Point formats 0 to 3: one stream has all fields of a point, item by item.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,13 @@ namespace tessera::laz {
 class PointItem {
  public:
   virtual ~PointItem() = default;
-  // The item of a chunk's first point, which is not compressed.
+  // Takes the item of a chunk's first point, which is not compressed.
   virtual void first(const std::byte* raw) = 0;
   // Writes the item of the next point to `to`.
   virtual void next(ArithmeticDecoder& decoder, std::byte* to) = 0;
 };
 
-// REQUIRES: `item` is one that check_layout has let through.
+// REQUIRES: `item` comes from read_laz_layout().
 std::unique_ptr<PointItem> make_point_item(const LazItem& item);
 std::unique_ptr<PointItem> make_point_10_item(std::uint16_t version);
 

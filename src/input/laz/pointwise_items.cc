@@ -38,12 +38,12 @@ class GpsTimeVersion1 : public PointItem {
       time_ = wrapping_add(time_, std::int64_t{difference_});
     } else if (known && code < anew) {
       time_ = wrapping_add(time_, std::int64_t{difference(code, decoder)});
-    }  // else the time again
+    }  // otherwise the same time again
     std::memcpy(to, &time_, sizeof time_);
   }
 
  private:
-  static constexpr std::uint32_t anew = 510;  // 511: the time again
+  static constexpr std::uint32_t anew = 510;  // the code of a new time; 511: the same time again
 
   std::int32_t difference(std::uint32_t multiple, ArithmeticDecoder& decoder) {
     if (multiple == 1) {

@@ -1,5 +1,5 @@
-// What the decoders of all point formats predict from: the median of recent differences, and tables of which return of
-// how many a point is. Source: rapidlasso, LAZ Specification 1.4, and LASzip's design/specification.rst.
+// Predictions for the decoders of all point formats: the median of recent differences, and tables by return number and
+// number of returns. Source: rapidlasso, LAZ Specification 1.4, and LASzip's design/specification.rst.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace tessera::laz {
 
-// A stand-in for the median of the last five numbers: a new one pushes out, in turns, the largest and the smallest of
-// five sorted ones. The turn changes only when the new number lies in the half that is kept.
+// Approximates the median of the last five numbers. A new number replaces the largest or the smallest of five sorted
+// numbers. The choice between largest and smallest changes only when the new number lies in the half that is kept.
 class RunningMedian {
  public:
   std::int32_t value() const { return sorted_[2]; }
@@ -43,7 +43,7 @@ class RunningMedian {
   bool drop_largest_ = true;
 };
 
-// Indexed by the number of returns, then by the return number. Formats 0-3.
+// A kind of return for formats 0-3, by the number of returns and the return number.
 inline constexpr std::uint8_t return_kind_3bit[8][8] = {
     {15, 14, 13, 12, 11, 10, 9, 8},  {14, 0, 1, 3, 6, 10, 10, 9},   {13, 1, 2, 4, 7, 11, 11, 10},
     {12, 3, 4, 5, 8, 12, 12, 11},    {11, 6, 7, 8, 9, 13, 13, 12},  {10, 10, 11, 12, 13, 14, 14, 13},
@@ -60,12 +60,12 @@ inline constexpr std::uint8_t return_kind_4bit[16][16] = {
     {5, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 5, 5, 5, 4, 4}, {5, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4, 5, 5, 5, 4},
     {5, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 5, 5, 5}, {5, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 5, 5}};
 
-// How many returns the pulse has had before, or had yet to come: below 8 by cutting off.
+// The number of returns of the pulse after this one, or before it if its number is too large; at most 7.
 inline std::uint32_t return_level(std::uint32_t returns, std::uint32_t number) {
   return std::min<std::uint32_t>(7, returns > number ? returns - number : number - returns);
 }
 
-// Sum and difference modulo 2^32: what a file makes overflow must not be undefined.
+// Sums and products modulo 2^32 or 2^64. A file may make them overflow, which must not be undefined behaviour.
 inline std::int32_t wrapping_add(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
 }
@@ -76,7 +76,8 @@ inline std::int64_t wrapping_add(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
 
-// The context of y given the correction of x, or of z given both: its length in steps of two, up to `most`.
+// The context of y given the length of x's correction, or of z given the mean length of both: in steps of two, at most
+// `most`.
 inline std::uint32_t length_context(std::uint32_t length, std::uint32_t most, bool single_return) {
   return (length < most ? length & ~1u : most) + single_return;
 }

@@ -39,7 +39,7 @@ void ReturnsXyLayer::enter_channel(std::uint32_t channel) {
 }
 
 void ReturnsXyLayer::next(PointStep& step, std::byte* record) {
-  // In the context of the point before, of whichever channel.
+  // The context is that of the point before, whatever its channel.
   const auto& before = *channels_[current_];
   const std::uint32_t context = (before.number == 1) | (before.number >= before.returns) << 1 | last_time_was_new_ << 2;
   const std::uint32_t changes = decoder_.symbol(channels_[current_]->changes[context]);

@@ -1,4 +1,4 @@
-// The first layer of point formats 6 to 8, which every other depends on: channel, returns, what changed, x and y.
+// The first layer of point formats 6 to 8, on which all others depend: channel, returns, changes, x and y.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@ namespace tessera::laz {
 
 class ReturnsXyLayer {
  public:
-  // `first`: the record of the chunk's first point.
+  // `first` is the record of the chunk's first point.
   ReturnsXyLayer(ByteFeed feed, const std::byte* first);
 
-  // The next points: x, y, returns and channel into records (`stride` bytes each), the rest of what it says to `steps`.
+  // Decodes the next points. x, y, returns and channel go into records (`stride` bytes each), the rest into `steps`.
   void decode(std::span<PointStep> steps, std::byte* records, std::size_t stride);
 
   const ByteFeed& feed() const { return decoder_.feed(); }
@@ -26,8 +26,8 @@ class ReturnsXyLayer {
  private:
   struct Channel {
     std::int32_t x = 0, y = 0;
-    std::uint8_t returns = 0, number = 0;  // of the last point
-    std::array<RunningMedian, 12> dx, dy;  // by the kind of return, and whether the GPS time is new
+    std::uint8_t returns = 0, number = 0;  // of the channel's last point
+    std::array<RunningMedian, 12> dx, dy;  // by the kind of return, and by whether the GPS time is new
     SymbolModel<3> next_channel;
     std::array<SymbolModel<16>, 16> returns_after, number_after;
     SymbolModel<13> number_at_same_time;

@@ -15,10 +15,11 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t line_bytes_max = std::size_t{1} << 20;  // of continued lines together, as of one
+// for a line with its continuations, as for a single line
+constexpr std::size_t line_bytes_max = std::size_t{1} << 20;
 
-// What stands behind "v" in the next line that begins with it; nothing at the end of the file. `joined` holds it when
-// the line is continued.
+// Returns what follows "v" in the next line that begins with it. Nothing at the end of the file. If the line is
+// continued, `joined` stores it.
 Result<std::optional<std::string_view>> next_vertex_line(LineReader& lines, std::string& joined) {
   while (true) {
     BOOST_OUTCOME_TRY(line, lines.next());
@@ -83,7 +84,7 @@ bool looks_like_obj(std::string_view begin) {
   std::vector<std::string_view> words;
   while (true) {
     const std::size_t end = begin.find('\n');
-    if (end == std::string_view::npos) return false;  // the line may not be whole
+    if (end == std::string_view::npos) return false;  // the line may be incomplete
     std::string_view line = begin.substr(0, end);
     begin.remove_prefix(end + 1);
     if (line.ends_with('\r')) line.remove_suffix(1);

@@ -1,5 +1,6 @@
-// OBJ (Wavefront): the lines "v x y z", in any order among others, are the points, whether a face uses them or not. A
-// colour behind them, "v x y z red green blue", is read as MeshLab and others write it; everything else is skipped.
+// OBJ (Wavefront): the points are the lines "v x y z", in any order among other lines, whether a face uses them or not.
+// A colour after them, "v x y z red green blue", is read as MeshLab and other programs write it. Everything else is
+// skipped.
 // Source: Wavefront, Advanced Visualizer, appendix B1: Object Files.
 #pragma once
 
@@ -12,11 +13,12 @@
 
 namespace tessera {
 
-// Whether `begin`, the first bytes of a text, is OBJ: before anything else stands a vertex, "v" and a number.
+// Whether `begin`, the first bytes of a text, is OBJ: the first statement that is not another OBJ keyword is a vertex,
+// "v" and numbers.
 bool looks_like_obj(std::string_view begin);
 
-// The first vertex tells whether there are colours; those of vertices without one are NaN. A weight ("v x y z w")
-// must be 1.
+// Opens an OBJ file. If the first vertex has a colour, vertices have colours, and missing colours are NaN. A weight ("v
+// x y z w") must be 1.
 Result<std::unique_ptr<PointReader>> open_obj(std::unique_ptr<ByteSource> source,
                                               const std::vector<Attribute>& attributes);
 

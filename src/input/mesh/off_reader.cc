@@ -13,11 +13,11 @@
 namespace tessera {
 namespace {
 
-// What the letters before OFF promise of a vertex.
+// What the letters before OFF say about each vertex.
 struct OffKind {
   bool texture = false, colours = false, normals = false;
   bool homogeneous = false;    // 4OFF: x y z w
-  bool any_dimension = false;  // nOFF: the number of coordinates stands before the counts
+  bool any_dimension = false;  // nOFF: the number of coordinates comes before the counts
 };
 
 std::optional<OffKind> kind_of(std::string_view keyword) {
@@ -35,7 +35,7 @@ std::optional<OffKind> kind_of(std::string_view keyword) {
   return keyword == "OFF" ? std::optional(kind) : std::nullopt;
 }
 
-// The next line that holds words, and these without the comment behind them.
+// Reads the words of the next line that has some, without the comment at its end.
 Result<bool> next_words(LineReader& lines, std::vector<std::string_view>& words) {
   do {
     BOOST_OUTCOME_TRY(line, lines.next());
@@ -51,7 +51,7 @@ struct OffHeader {
   std::uint64_t vertices = 0, faces = 0;
 };
 
-// Vertices, faces and, often left out, edges.
+// Reads the numbers of vertices, faces and edges. The last one is often missing.
 Status take_counts(std::span<const std::string_view> words, const LineReader& lines, OffHeader& header) {
   if (words.size() < 2 || words.size() > 3)
     return lines.bad_line("has " + std::to_string(words.size()) +
@@ -76,7 +76,8 @@ Result<OffHeader> read_header(LineReader& lines) {
   BOOST_OUTCOME_TRY(first, next_words(lines, words));
   if (!first) return nothing();
   const auto kind = kind_of(words[0]);
-  // Geomview's readers do without the keyword; a file called .off that begins with numbers is read as they do.
+  // Geomview's readers accept a file without the keyword. A file called .off that begins with numbers is read in the
+  // same way.
   const bool number = !words[0].empty() && std::string_view("0123456789").find(words[0][0]) != std::string_view::npos;
   if (!kind && !number)
     return lines.bad_line("begins with " + in_quotes(words[0]) + ", but an OFF file with OFF, COFF, NOFF or STOFF");
@@ -125,7 +126,7 @@ class OffReader : public VertexTextReader {
     return true;
   }
 
-  // A file that was cut off within the last vertex has lost its faces.
+  // A file that was cut off within the last vertex lacks its faces.
   Status check_end() {
     if (checked_) return success();
     if (faces_ > 0) {
@@ -144,7 +145,7 @@ class OffReader : public VertexTextReader {
   std::vector<std::string_view> words_;
 };
 
-// What stands behind x y z, in the order of Geomview. Without vertices nobody knows whether colours have alpha.
+// The attributes after x y z, in the order of Geomview. Without vertices it is unknown whether colours have alpha.
 std::vector<Attribute> attributes_of(const OffKind& kind, std::size_t words) {
   std::vector<Attribute> attributes;
   const auto add = [&](std::initializer_list<const char*> names) {
@@ -175,7 +176,7 @@ Result<std::unique_ptr<PointReader>> open_off(std::unique_ptr<ByteSource> source
   LineReader lines(std::move(source));
   BOOST_OUTCOME_TRY(header, read_header(lines));
   BOOST_OUTCOME_TRYV(check_is_text(lines.source()));
-  // A vertex takes six bytes at least: refuse now, so that nobody plans memory for 2^60 of them.
+  // A vertex takes at least six bytes. Refusing here avoids that code reserves memory for 2^60 vertices.
   if (header.vertices > info.content_bytes / 6 + 1)
     return lines.bad_line("promises " + std::to_string(header.vertices) + " vertices, more than the file can hold");
   const std::uint64_t lines_before = lines.number();

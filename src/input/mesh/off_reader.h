@@ -1,5 +1,5 @@
-// OFF (Geomview's object file format) in text: OFF, COFF, NOFF, STOFF and their combinations. The vertices are the
-// points, their normals, colours and texture coordinates the attributes; faces are skipped.
+// OFF (Geomview's object file format) as text: OFF, COFF, NOFF, STOFF and their combinations. The vertices are the
+// points. Their normals, colours and texture coordinates are attributes. Faces are skipped.
 // Source: Geomview manual, 4.2.5 OFF Files.
 #pragma once
 
@@ -12,10 +12,10 @@
 
 namespace tessera {
 
-// Whether a file that begins with `begin` is OFF: "OFF", "COFF 8 6 12", "nOFF", ..., perhaps below comments.
+// Whether `begin` is the beginning of an OFF file: "OFF", "COFF 8 6 12", "nOFF", ..., perhaps after comments.
 bool looks_like_off(std::string_view begin);
 
-// A vertex takes a line; of colours, the first vertex tells whether there is alpha.
+// Opens an OFF file. Each vertex has a line of its own. The first vertex tells whether colours have alpha.
 Result<std::unique_ptr<PointReader>> open_off(std::unique_ptr<ByteSource> source,
                                               const std::vector<Attribute>& attributes);
 

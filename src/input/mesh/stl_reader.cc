@@ -16,8 +16,8 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t header_bytes = 84;    // 80 of anything, and the number of triangles
-constexpr std::size_t triangle_bytes = 50;  // normal, three corners, two bytes
+constexpr std::size_t header_bytes = 84;    // 80 arbitrary bytes and the number of triangles
+constexpr std::size_t triangle_bytes = 50;  // a normal, three corners, two bytes
 constexpr std::size_t corner_bytes = 3 * sizeof(float);
 
 std::uint64_t promised_bytes(std::span<const std::byte> begin) {
@@ -32,7 +32,7 @@ class StlReader : public PointReader {
   const FileInfo& info() const override { return info_; }
 
   Status next(PointBatch& batch, std::size_t most) override {
-    // A batch may begin and end within a triangle, which is then read twice.
+    // A batch may begin and end within a triangle. Such a triangle is read twice.
     const auto skipped = static_cast<std::size_t>(position_ % 3);
     const std::size_t corners = std::min(most, batch_points_max);
     triangles_.seek(position_ / 3);
@@ -63,7 +63,7 @@ class StlReader : public PointReader {
   FileInfo info_;
   RecordStream triangles_;
   std::size_t row_bytes_;
-  std::uint64_t position_ = 0, first_ = 0;  // points
+  std::uint64_t position_ = 0, first_ = 0;  // in points
 };
 
 std::string begin_word(std::span<const std::byte> begin) {

@@ -48,7 +48,7 @@ class StlTextReader : public VertexTextReader {
     return true;
   }
 
-  // Goes behind the next "outer loop"; false behind the last solid.
+  // Moves behind the next "outer loop". Returns false after the last solid.
   Result<bool> next_facet() {
     while (true) {
       BOOST_OUTCOME_TRY(word, next_word());
@@ -58,7 +58,7 @@ class StlTextReader : public VertexTextReader {
         if (!is_keyword(*word, "solid")) return unexpected(*word, "solid");
       } else if (is_keyword(*word, "facet")) {
         BOOST_OUTCOME_TRYV(expect("normal"));
-        // The normal follows from the corners, and some programs write it as no number at all.
+        // The normal is skipped: it follows from the corners, and some programs do not write numbers here.
         for (int axis = 0; axis < 3; ++axis) {
           BOOST_OUTCOME_TRY(component, next_word());
           if (!component) return ends();
@@ -99,9 +99,9 @@ class StlTextReader : public VertexTextReader {
 
   std::array<std::string, 3> names_{"x", "y", "z"};
   bool in_solid_ = false;
-  int corner_ = 0;  // of the triangle we are in, 3 behind its last one
+  int corner_ = 0;  // the next corner of the current triangle; 3: behind its last corner
   std::vector<std::string_view> words_;
-  std::size_t at_ = 0;  // of the words, the next
+  std::size_t at_ = 0;  // the index of the next word
 };
 
 }  // namespace

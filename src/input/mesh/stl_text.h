@@ -1,4 +1,4 @@
-// STL in text, see stl_reader.h.
+// STL as text; see stl_reader.h.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-// Words may stand in any lines, as the format has it, but for "solid" and "endsolid", whose line is theirs. Keywords in
-// any case. Triangles that are not whole, and solids that do not end, are errors.
+// Words may be on any lines, as the format permits. Only "solid" and "endsolid" own the rest of their line. Keywords
+// may have any case. Incomplete triangles and solids without an end are errors.
 Result<std::unique_ptr<PointReader>> open_stl_text(std::unique_ptr<ByteSource> source,
                                                    const std::vector<Attribute>& attributes);
 

@@ -1,4 +1,4 @@
-// What the readers of meshes in text have in common: vertices, one after the other, whose attributes are doubles.
+// The common part of readers of meshes as text: a sequence of vertices whose attributes are doubles.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 
 namespace tessera {
 
+// A derived class reads the vertices one by one.
 class VertexTextReader : public PointReader {
  public:
   const FileInfo& info() const final { return info_; }
@@ -24,7 +25,8 @@ class VertexTextReader : public PointReader {
   VertexTextReader(FileInfo info, LineReader lines, const std::vector<Attribute>& schema);
 
   LineReader& lines() { return lines_; }
-  // Replaces `values`: x, y, z, and a number for each attribute of info(). False at the end, for ever after.
+  // Replaces `values` by x, y, z and one number for each attribute of info(). Returns false at the end, and after that
+  // always.
   virtual Result<bool> next_vertex(std::vector<double>& values) = 0;
 
  private:
@@ -38,14 +40,14 @@ class VertexTextReader : public PointReader {
   std::size_t row_bytes_;
   std::vector<Cell> cells_;
   std::vector<double> values_;
-  std::vector<std::uint64_t> numbers_;  // the lines of the last batch's points
+  std::vector<std::uint64_t> numbers_;  // the line of each point of the last batch
 };
 
-// x, y, z, and the names of `attributes`.
+// The names x, y, z and those of `attributes`.
 std::vector<std::string> names_of_values(const std::vector<Attribute>& attributes);
 
-// Appends the numbers that `words` are; the error names the line and, of `names`, the one whose word is no number.
-// REQUIRES: as many names as words.
+// Appends the numbers in `words` to `values`. An error names the line, and the name in `names` of the word that is not
+// a number. REQUIRES: there are as many names as words.
 Status add_numbers(std::span<const std::string_view> words, std::span<const std::string> names, const LineReader& lines,
                    std::vector<double>& values);
 

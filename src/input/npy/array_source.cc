@@ -12,7 +12,7 @@ static_assert(std::endian::native == std::endian::little, "the header says so");
 
 class ArraySource : public ByteSource {
  public:
-  // `type` and `shape` as they stand in the header.
+  // `type` and `shape` are written into the header as they are.
   ArraySource(std::filesystem::path name, std::span<const std::byte> body, const std::string& type,
               const std::string& shape)
       : name_(std::move(name)), body_(body) {
@@ -27,7 +27,7 @@ class ArraySource : public ByteSource {
   std::int64_t modified_ns() const override { return 0; }
 
   Status read(std::uint64_t offset, std::span<std::byte> out) const override {
-    if (out.empty()) return success();  // memcpy takes no null pointers, not even for nothing
+    if (out.empty()) return success();  // memcpy() takes no null pointers, even for 0 bytes
     if (offset < head_.size()) {
       const auto part = std::as_bytes(std::span(head_)).subspan(offset);
       const std::size_t n = std::min(part.size(), out.size());

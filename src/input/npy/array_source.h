@@ -1,4 +1,4 @@
-// Points in a program's memory, as the NumPy file they would be: a cloud without a detour over the disk.
+// Points in a program's memory, presented as a NumPy file, so that a cloud needs no file on disk.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace tessera {
 
-// `coordinates`: n x dimension, row after row. They must stay where they are, and as they are, while the source is
+// A source of n x dimension coordinates, row after row. The array must neither move nor change while the source is
 // read. Errors call it `name`. REQUIRES: dimension divides coordinates.size().
 std::unique_ptr<ByteSource> array_source(const std::string& name, std::span<const double> coordinates, int dimension);
 
-// `rows` of named columns, `columns` as the header of a NumPy file has them: "[('x', '<f8'), ('y', '<f8')]". What is
-// wrong with them is told when the source is opened.
+// A source of `rows` rows with named columns. `columns` is what the header of a NumPy file says: "[('x', '<f8'), ('y',
+// '<f8')]". Mistakes in it are reported when the source is opened by a reader.
 std::unique_ptr<ByteSource> record_source(const std::string& name, std::span<const std::byte> bytes,
                                           const std::string& columns, std::uint64_t rows);
 

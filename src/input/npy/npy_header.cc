@@ -19,13 +19,15 @@ constexpr std::uint64_t columns_max = 4096;
 constexpr std::size_t row_bytes_max = std::size_t{1} << 20;
 
 struct ArrayLiteral {
-  std::string type;                                         // "<f8"; of a structured type empty
-  std::vector<std::pair<std::string, std::string>> fields;  // names and types; a type that is no plain string is empty
+  std::string type;  // "<f8"; empty for a structured type
+  // names and types; the type is empty if it is not a plain string
+  std::vector<std::pair<std::string, std::string>> fields;
   bool fortran_order = false;
   std::vector<std::uint64_t> shape;
 };
 
-// Reads the header's Python literal, {'descr': '<f8', 'fortran_order': False, 'shape': (17, 3), }, keys in any order.
+// Parses the header's Python literal, {'descr': '<f8', 'fortran_order': False, 'shape': (17, 3), }. Keys may come in
+// any order.
 class LiteralParser {
  public:
   explicit LiteralParser(std::string_view text) : rest_(text) {}
@@ -82,7 +84,7 @@ class LiteralParser {
     return true;
   }
 
-  // ('x', '<f8'), or with the shape of an array in each row: ('colour', '|u1', (3,)).
+  // Parses ('x', '<f8'), perhaps with the shape of an array in each row: ('colour', '|u1', (3,)).
   bool parse_field(ArrayLiteral& literal) {
     if (!take("(")) return false;
     auto name = quoted();
@@ -105,7 +107,7 @@ class LiteralParser {
     return take(")");
   }
 
-  // Behind the bracket that closes the one that was taken.
+  // Moves behind the bracket that closes the bracket that was taken.
   bool skip_list() {
     int depth = 1;
     while (depth > 0 && !rest_.empty()) {
@@ -155,7 +157,7 @@ std::optional<AttributeType> number_type(std::string_view name) {
   return std::nullopt;
 }
 
-// The bytes that "|V3" leaves free; nothing for other types.
+// The number of bytes that "|V3" leaves unused. Nothing for other types.
 std::optional<std::size_t> padding(std::string_view type) {
   if (!type.starts_with("|V")) return std::nullopt;
   std::uint32_t bytes = 0;
@@ -169,7 +171,7 @@ std::string shape_text(const ArrayLiteral& literal) {
   return "(" + text + ")";
 }
 
-// The columns of an array with names; what is wrong, or "".
+// Sets the columns of an array with names. Returns what is wrong, or "".
 std::string settle_fields(const ArrayLiteral& literal, NpyHeader& header) {
   if (literal.shape.size() != 1)
     return "has shape " + shape_text(literal) + "; of an array with named columns n is read";
@@ -191,7 +193,7 @@ std::string settle_fields(const ArrayLiteral& literal, NpyHeader& header) {
   return "";
 }
 
-// The columns of an array of one type.
+// Sets the columns of an array of one type. Returns what is wrong, or "".
 std::string settle_plain(const ArrayLiteral& literal, NpyHeader& header) {
   const std::string& type = literal.type;
   if (type != "<f8" && type != ">f8" && type != "<f4" && type != ">f4")

@@ -1,4 +1,4 @@
-// What the header of a NumPy file says: which columns its rows have.
+// The header of a NumPy file: which columns the rows have.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,22 @@
 namespace tessera {
 
 struct NpyColumn {
-  std::string name;  // as it stands in the header
+  std::string name;  // as in the header
   AttributeType type = AttributeType::f64;
   bool swapped = false;    // big endian
-  std::size_t offset = 0;  // in the row
+  std::size_t offset = 0;  // in bytes, within the row
 };
 
 struct NpyHeader {
-  std::uint64_t body_at = 0;  // where the rows begin
+  std::uint64_t body_at = 0;  // the offset of the first row
   std::uint64_t rows = 0;
   std::size_t row_bytes = 0;
-  std::vector<NpyColumn> columns;  // of an array without names: x, y, z, column_4, ...
-  bool named = false;              // by the array
+  std::vector<NpyColumn> columns;  // an array without names has x, y, z, column_4, ...
+  bool named = false;              // whether the array has names
   std::string detail;              // "NumPy <f8, n x 3"
 };
 
-// Errors, with the path, for what is no NumPy file and for arrays that are no points.
+// Errors, which name the path, for what is no NumPy file, and for arrays that are not points.
 Result<NpyHeader> read_npy_header(const ByteSource& source);
 
 }  // namespace tessera

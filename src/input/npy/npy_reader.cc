@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-// Which columns are what.
+// Which column is which coordinate or attribute.
 struct NpyRoles {
   std::array<std::optional<std::size_t>, 3> coordinates;
   struct Extra {
@@ -47,7 +47,7 @@ NpyRoles roles_of(const std::vector<NpyColumn>& columns) {
   return roles;
 }
 
-// Why these cannot be points; or "".
+// Why these columns cannot be points, or "".
 std::string check_coordinates(const std::vector<NpyColumn>& columns, const NpyRoles& roles) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto& at = roles.coordinates[axis];

@@ -1,5 +1,5 @@
-// NumPy .npy, format versions 1 to 3: an array of n x k floats of 4 or 8 bytes, in C order, or of n rows of named
-// columns; either byte order. Source: NumPy Enhancement Proposal 1 and numpy.lib.format.
+// NumPy .npy, format versions 1 to 3. The array has n x k floats of 4 or 8 bytes in C order, or n rows of named
+// columns, in either byte order. Source: NumPy Enhancement Proposal 1 and numpy.lib.format.
 #pragma once
 
 #include <memory>
@@ -10,9 +10,9 @@
 
 namespace tessera {
 
-// Without names the columns are x, y, z, column_4, ..., with two of them x and y. Of named ones x, y and z (or X, Y
-// and Z) are the coordinates; without z the dimension is 2. The other columns are attributes of their own types. The
-// hints' columns take the place of these names.
+// Opens a NumPy file. Columns without names are called x, y, z, column_4, ...; with only two columns, x and y. Of named
+// columns x, y and z (or X, Y and Z) are the coordinates. Without z the dimension is 2. Other columns are attributes of
+// their own types. The columns of `hints` replace these names.
 Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source,
                                               const std::vector<Attribute>& attributes, const ReadHints& hints = {});
 

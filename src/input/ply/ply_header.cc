@@ -52,7 +52,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-// What is wrong with a header line, or "".
+// Reads a header line. Returns what is wrong with it, or "".
 std::string take_format(const std::vector<std::string_view>& words, PlyHeader& header) {
   if (words.size() != 3) return "a format line has 3 words";
   if (words[1] == "ascii")

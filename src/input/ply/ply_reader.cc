@@ -13,7 +13,7 @@
 namespace tessera {
 namespace {
 
-// Which properties are what.
+// Which property is which coordinate or attribute.
 struct PlyColumns {
   std::array<std::optional<std::size_t>, 3> coordinates;
   struct Extra {

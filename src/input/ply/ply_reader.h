@@ -1,5 +1,6 @@
-// PLY (Stanford polygon format): ASCII, binary little and big endian. The element "vertex" gives the points, its
-// numeric properties besides x y z the attributes; other elements and list properties are skipped, wherever they stand.
+// PLY (Stanford polygon format): ASCII, and binary in either byte order. The points are the element "vertex". Its
+// numeric properties other than x, y and z are attributes. Other elements and list properties are skipped, wherever
+// they are.
 #pragma once
 
 #include <memory>
@@ -10,7 +11,8 @@
 
 namespace tessera {
 
-// ASCII numbers are read as doubles also where the header says float: the text is what the file holds.
+// Opens a PLY file. Numbers in ASCII files are read as doubles, even if the header says float, because the text is the
+// data.
 Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source,
                                               const std::vector<Attribute>& attributes);
 

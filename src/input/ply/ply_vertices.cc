@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-// Binary vertices without lists: the file's own records.
+// Binary vertices without lists: the records of the file.
 class FixedVertices : public PlyVertices {
  public:
   FixedVertices(RecordStream records, const PlyElement& vertex, bool swapped) : records_(std::move(records)) {
@@ -36,7 +36,7 @@ class FixedVertices : public PlyVertices {
   RecordStream records_;
 };
 
-// Reads forward through a binary body, a block at a time.
+// Reads forward through a binary body, block by block.
 class ByteCursor {
  public:
   ByteCursor(std::unique_ptr<ByteSource> source, std::uint64_t at) : source_(std::move(source)), at_(at) {}
@@ -46,13 +46,13 @@ class ByteCursor {
   std::uint64_t left() const { return source_->size() - at_; }
   std::unique_ptr<ByteSource> release() { return std::move(source_); }
 
-  // Passes over `count` things of `bytes` each; false if the file is shorter.
+  // Skips `count` items of `bytes` bytes each. Returns false if the file is shorter.
   bool skip(std::uint64_t count, std::size_t bytes) {
     if (bytes != 0 && count > left() / bytes) return false;
     at_ += count * bytes;
     return true;
   }
-  // A pointer to the next `n` <= 8 bytes, which are passed over. REQUIRES: left() >= n.
+  // Returns a pointer to the next `n` <= 8 bytes and skips them. REQUIRES: left() >= n.
   Result<const std::byte*> take(std::size_t n) {
     if (at_ < block_at_ || at_ + n > block_at_ + block_.size()) {
       block_at_ = at_;
@@ -71,12 +71,13 @@ class ByteCursor {
   std::vector<std::byte> block_;
 };
 
-// One element's binary form: scalars to keep or skip, lists to skip.
+// Walks over binary elements: scalars are kept or skipped, lists are skipped.
 class ElementWalk {
  public:
   ElementWalk(const PlyElement& element, bool swapped) : element_(element), swapped_(swapped) {}
 
-  // Passes over one element; its scalars are appended to `kept` if that is given. False if the file ends within.
+  // Walks over one element and appends its scalars to `kept` unless `kept` is null. Returns false if the file ends
+  // within the element.
   Result<bool> step(ByteCursor& cursor, std::byte* kept) const {
     for (const auto& property : element_.properties) {
       const std::size_t bytes = size_of(property.type);
@@ -84,7 +85,7 @@ class ElementWalk {
         const std::size_t count_bytes = size_of(*property.count);
         if (cursor.left() < count_bytes) return false;
         BOOST_OUTCOME_TRY(at, cursor.take(count_bytes));
-        // Through a signed type, which shows a negative length; column_copy would make it 0.
+        // The length is read as a signed number, so that a negative length is noticed. An unsigned one would become 0.
         std::int64_t count = 0;
         column_copy(*property.count, swapped_, AttributeType::i64)(at, 0, reinterpret_cast<std::byte*>(&count), 0, 1);
         if (count < 0 || !cursor.skip(static_cast<std::uint64_t>(count), bytes)) return false;
@@ -105,7 +106,7 @@ class ElementWalk {
   bool swapped_;
 };
 
-// Binary vertices with lists: their scalars, copied together.
+// Binary vertices with lists: their scalars are copied to records.
 class ListVertices : public PlyVertices {
  public:
   ListVertices(ByteCursor cursor, PlyElement vertex, bool swapped)
@@ -124,7 +125,7 @@ class ListVertices : public PlyVertices {
     if (n == 0) {
       BOOST_OUTCOME_TRYV(cursor_.source().check_unchanged());
     }
-    // Not more than the file can hold, whatever its header says.
+    // The block is not larger than the file permits, whatever the header says.
     block_.resize(record_bytes_ * static_cast<std::size_t>(std::min<std::uint64_t>(n, cursor_.left() + 1)));
     const ElementWalk walk(vertex_, swapped_);
     for (std::size_t i = 0; i < n; ++i, ++position_) {
@@ -148,7 +149,7 @@ class ListVertices : public PlyVertices {
   std::vector<std::byte> block_;
 };
 
-// ASCII vertices, a line each: their scalars as doubles.
+// ASCII vertices, one a line: their scalars as doubles.
 class TextVertices : public PlyVertices {
  public:
   TextVertices(LineReader lines, PlyElement vertex) : lines_(std::move(lines)), vertex_(std::move(vertex)) {
@@ -229,7 +230,7 @@ Result<std::unique_ptr<PlyVertices>> open_text_vertices(std::unique_ptr<ByteSour
   lines.count_from(header.lines);
   for (std::size_t e = 0; e < header.vertex; ++e) {
     const auto& element = header.elements[e];
-    if (element.properties.empty()) continue;  // takes no line
+    if (element.properties.empty()) continue;  // such an element takes no line
     for (std::uint64_t i = 0; i < element.count; ++i) {
       BOOST_OUTCOME_TRY(line, TextVertices::next_line(lines));
       if (!line) return ends_within(lines.source(), element);
@@ -242,7 +243,7 @@ Result<std::unique_ptr<PlyVertices>> open_text_vertices(std::unique_ptr<ByteSour
 
 Result<std::unique_ptr<PlyVertices>> open_ply_vertices(std::unique_ptr<ByteSource> source, const PlyHeader& header) {
   const auto& vertex = header.elements[header.vertex];
-  // A vertex takes a byte at least: refuse now, so that nobody plans memory for 2^60 of them.
+  // A vertex takes at least a byte. Refusing here avoids that code reserves memory for 2^60 vertices.
   if (vertex.count > source->size()) return ends_within(*source, vertex);
   if (header.format == PlyFormat::ascii) return open_text_vertices(std::move(source), header);
 

@@ -1,4 +1,4 @@
-// The vertices of a PLY body as records of one length, however the body is written.
+// The vertices of a PLY body as records of equal length, however the body is written.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,19 @@
 
 namespace tessera {
 
+// Reads the vertices of one file. Not thread-safe.
 class PlyVertices {
  public:
-  // Where a scalar property stands in a record.
+  // Where a scalar property is in a record.
   struct Scalar {
-    std::size_t property;  // index in the element's list
+    std::size_t property;  // its index in the element's list
     std::size_t offset;
     AttributeType stored;  // f64 if the file is text
     bool swapped;
   };
 
   virtual ~PlyVertices() = default;
-  // The next records, at most `most`; valid until the next call. Empty at the end.
+  // The next records, at most `most`. They are valid until the next call. Empty at the end.
   virtual Result<std::span<const std::byte>> next(std::size_t most) = 0;
   virtual bool seek(std::uint64_t index) = 0;
   virtual std::string place(std::size_t index) const = 0;
@@ -39,7 +40,7 @@ class PlyVertices {
   std::size_t record_bytes_ = 0;
 };
 
-// Skips the elements before the vertices. Errors bad_input: the file is too short for what its header promises.
+// Opens the vertices behind the elements before them. Error bad_input if the file is shorter than its header promises.
 Result<std::unique_ptr<PlyVertices>> open_ply_vertices(std::unique_ptr<ByteSource> source, const PlyHeader& header);
 
 }  // namespace tessera

@@ -37,7 +37,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-// "Easting [m]" and "easting_m" are called easting.
+// The bare name in lower case: "Easting [m]" and "easting_m" become "easting".
 std::string bare(std::string_view name) {
   std::string text = lower(name);
   for (const std::string_view unit : {"[m]", "(m)", "_m", "[ft]", "(ft)", "_ft", "[deg]", "(deg)"}) {
@@ -46,7 +46,7 @@ std::string bare(std::string_view name) {
   return std::string(trimmed(text));
 }
 
-// Sets the columns that are x, y and z by their names; the first family that has both x and y wins.
+// Sets the columns of x, y and z by their names. The first family of names with both x and y is used.
 void coordinates_by_name(const std::vector<std::string_view>& names, TextColumns& columns) {
   using Names = std::array<std::string_view, 8>;
   struct Family {
@@ -108,7 +108,8 @@ void split_line(std::string_view line, Delimiter delimiter, std::size_t most, st
   while (fields.size() < most) {
     std::size_t from = begin;
     while (from < line.size() && is_blank(line[from]) && line[from] != mark) ++from;
-    // A quoted field ends at its quote, whatever stands between; an unclosed quote is a character like others.
+    // A quoted field ends at its closing quote, whatever is in between. A quote without a closing one is an ordinary
+    // character.
     if (from < line.size() && line[from] == '"') {
       const std::size_t closing = line.find('"', from + 1);
       from = closing == std::string_view::npos ? begin : closing;
@@ -126,7 +127,7 @@ bool is_header(std::string_view line, std::span<const std::string> names) {
   const auto named = names.empty() ? std::vector<std::size_t>{0, 1} : find_columns(names).coordinates;
   std::vector<std::string_view> fields;
   split_line(line, delimiter_of(line), std::max(named[0], named[1]) + 1, fields);
-  // What begins like a number is a wrong number ("1,5" between semicolons), not a name.
+  // A field that begins like a number is a wrong number ("1,5" between semicolons), not a name.
   return std::any_of(named.begin(), named.begin() + 2, [&](std::size_t column) {
     const auto field = column < fields.size() ? fields[column] : std::string_view();
     return !field.empty() && std::string_view("0123456789+-.").find(field[0]) == std::string_view::npos &&
@@ -157,7 +158,7 @@ bool counts_up(std::span<const std::string> lines, Delimiter delimiter) {
 
 namespace {
 
-// By the user's names.
+// Sets the columns by the names of the user.
 std::string columns_by_option(std::span<const std::string> names, const std::vector<std::string_view>& values,
                               TextColumns& columns) {
   const ColumnNames named = find_columns(names);
@@ -178,7 +179,7 @@ std::string settle_columns(std::string_view header, std::string_view numbers, st
   columns.has_header = !header.empty();
   columns.delimiter = delimiter_of(numbers);
   std::vector<std::string_view> names, values;
-  // A header may be parted otherwise than the numbers: "x, y, z" above "1 2 3".
+  // A header may have another delimiter than the numbers: "x, y, z" above "1 2 3".
   if (columns.has_header) split_line(header, delimiter_of(header), columns_max + 1, names);
   split_line(numbers, columns.delimiter, columns_max + 1, values);
   if (values.size() > columns_max || names.size() > columns_max)

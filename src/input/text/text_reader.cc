@@ -36,7 +36,7 @@ Result<std::optional<std::string_view>> next_content(LineReader& lines) {
 
 class TextReader : public PointReader {
  public:
-  // Of the lines that follow, those that begin before `end`, but the one at `header_at`.
+  // Reads the lines that begin before `end`, except the line at `header_at`.
   TextReader(FileInfo info, LineReader lines, std::uint64_t header_at, std::uint64_t end, TextColumns columns,
              const std::vector<Attribute>& schema)
       : info_(std::move(info)),
@@ -127,10 +127,10 @@ class TextReader : public PointReader {
   std::size_t fields_used_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::string_view> fields_;
-  std::vector<std::uint64_t> numbers_;  // the lines of the last batch's points
+  std::vector<std::uint64_t> numbers_;  // the line of each point of the last batch
 };
 
-// Of a line of numbers and some that follow it, see counts_up().
+// Whether a line of numbers and the lines after it count up; see counts_up().
 Result<bool> looks_counted(LineReader& lines, std::string first, Delimiter delimiter) {
   constexpr std::size_t looked_at = 32, begin_bytes = 256;
   std::vector<std::string> some{std::move(first)};
@@ -142,7 +142,7 @@ Result<bool> looks_counted(LineReader& lines, std::string first, Delimiter delim
   return counts_up(some, delimiter);
 }
 
-// The lines that end before `end`.
+// The number of lines that end before `end`.
 Result<std::uint64_t> count_lines(const ByteSource& source, std::uint64_t end) {
   std::vector<std::byte> block(std::size_t{1} << 18);
   std::uint64_t count = 0;
@@ -185,7 +185,7 @@ Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> sourc
   lines.rewind();
   const std::uint64_t end = hints.part ? (*hints.part + 1) * part_bytes : UINT64_MAX;
   if (hints.part.value_or(0) > 0) {
-    // The line that begins before the part ends in it, or just before it.
+    // The line that began before the part is skipped. It ends in the part or just before it.
     const std::uint64_t before = *hints.part * part_bytes - 1;
     lines = LineReader(lines.take_source(), before);
     if (hints.count_lines) {

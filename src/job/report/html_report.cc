@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t table_rows_max = 1000;
 
-// Spaces in a number must not end a line.
+// A number must not be broken at the spaces in it.
 std::string number(const std::string& text) { return "<span class=\"number\">" + text + "</span>"; }
 std::string number(std::uint64_t n) { return number(grouped(n)); }
 
-// "2026-03-01 09:30 UTC"
+// Returns "2026-03-01 09:30 UTC".
 std::string minute(std::chrono::system_clock::time_point time) {
   const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
   std::tm parts{};
@@ -50,7 +50,8 @@ std::string facts(const ReportData& data) {
   std::string command;
   for (const auto& word : data.command) {
     const auto safe = escape_html(word);
-    command += (command.empty() ? "" : " ") + (word.starts_with("--") ? number(safe) : safe);  // no line ends at --
+    // so that no line is broken at --
+    command += (command.empty() ? "" : " ") + (word.starts_with("--") ? number(safe) : safe);
   }
   fact("command", "<code>" + command + "</code>");
   html += "</dl>\n";
@@ -144,7 +145,7 @@ std::string pictures(const ReportData& data) {
   };
   std::string html =
       "<div class=\"pictures\">\n" + figure(0, 1, "From above (x, y)", false) + figure(0, 1, "From above (x, y)", true);
-  // From above, tiles over one another hide each other: show them from the front too.
+  // From above, tiles that lie over one another hide each other. So they are also shown from the front.
   const bool stacked =
       data.summary.dimension == 3 && std::any_of(data.tiles.begin(), data.tiles.end(), [&](const auto& t) {
         return t.box.lo.z > data.bounds.lo.z || t.box.hi.z <= data.bounds.hi.z;

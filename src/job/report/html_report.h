@@ -1,4 +1,4 @@
-// report.html: one file without network or scripts from elsewhere, that shows how a job went.
+// report.html: one file, without network or external scripts, that shows how a job went.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct TileFigures {
   TileId tile;
   Box box;  // may be unbounded
   std::uint64_t points = 0, cells = 0, bytes = 0;
-  double seconds = 0;  // worked on it
+  double seconds = 0;  // time that threads worked on it
 };
 
 struct ReportData {
@@ -31,23 +31,24 @@ struct ReportData {
   std::string crs_title;  // for people; "": none
   std::chrono::system_clock::time_point finished;
   std::string partition_kind;
-  bool boxes_disjoint = true;                    // false for the random partition: no picture of tiles then
+  bool boxes_disjoint = true;                    // false for the random partition: then there is no picture of tiles
   Bounds bounds;                                 // of all points
-  std::optional<std::array<double, 2>> heights;  // 2D: the least and the greatest, if the vertices have any
-  std::vector<TileFigures> tiles;                // that hold points
+  std::optional<std::array<double, 2>> heights;  // 2D: the least and the greatest height, if the vertices have heights
+  std::vector<TileFigures> tiles;                // tiles that hold points
   std::vector<PhaseSpan> spans;
 };
 
 std::string html_report(const ReportData& data);
-// Under a temporary name first.
+// Writes the report under a temporary name, then renames it.
 Status write_html_report(const std::filesystem::path& path, const ReportData& data);
 
-// Rows for threads, time to the right, coloured by phase. Spans closer than a pixel are drawn as one. Times are places
-// in per cent, so that text keeps its size at any width. Empty when there are no spans.
+// Draws a row for each thread, with time to the right, coloured by phase. Spans closer than a pixel are drawn as one.
+// Times are positions in per cent, so text keeps its size at any width. Empty when there are no spans.
 std::string timeline_svg(const std::vector<PhaseSpan>& spans, double total_s);
 
-// The boxes of the tiles, clipped to the bounds, seen along the axis that is neither `across` nor `up`, each coloured
-// by its value in `values` (by position in `tiles`), from 0 to the greatest: tiles that hardly differ look alike.
+// Draws the boxes of the tiles, clipped to the bounds, seen along the axis that is neither `across` nor `up`. Each tile
+// is coloured by its value in `values` (beside data.tiles), on a scale from 0 to the greatest value, so tiles that
+// hardly differ look alike.
 std::string tiles_svg(const ReportData& data, int across, int up, const std::vector<double>& values);
 std::string palette_gradient();  // the colours from 0 to the greatest, for CSS
 

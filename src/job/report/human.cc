@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// Three significant digits: 1.23, 12.3, 123.
+// Returns three significant digits: 1.23, 12.3, 123.
 std::string three_digits(double value) { return fixed(value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0); }
 
 }  // namespace

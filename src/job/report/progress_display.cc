@@ -65,7 +65,7 @@ void ProgressDisplay::run(const std::stop_token& stop) {
           now.elapsed_s - shown_s_ >= interval_s(style_)) {
         show(now);
       }
-    } catch (const std::bad_alloc&) {  // the job will tell
+    } catch (const std::bad_alloc&) {  // the job itself reports it
     }
   }
   erase_panel();
@@ -83,7 +83,7 @@ void ProgressDisplay::show(const ProgressSnapshot& now) {
     std::fprintf(out_, "%s\n", text.c_str());
   }
   std::fflush(out_);
-  // A rate over a second or more is readable; over one tick it flickers.
+  // A rate over two seconds or more is readable; over one tick it flickers.
   if (now.phase != before_.phase || now.elapsed_s - before_.elapsed_s >= 2) before_ = now;
   shown_phase_ = now.phase;
   shown_s_ = now.elapsed_s;

@@ -18,21 +18,21 @@ namespace tessera {
 
 enum class ProgressStyle : std::uint8_t {
   none,      // nothing at all
-  terminal,  // two lines redrawn in place, five times a second
+  terminal,  // lines redrawn in place, five times a second
   lines,     // a line when the phase changes, and every five seconds
-  json,      // an object a line when the phase changes, and every second
+  json,      // one object a line when the phase changes, and every second
 };
 
 class ProgressDisplay {
  public:
-  // Writes to `out` until stop() or destruction. The job has worked so long already. REQUIRES: `progress` and `out`
-  // outlive it.
+  // Writes to `out` until stop() or destruction. `elapsed_before_s`: how long the job has worked already. REQUIRES:
+  // `progress` and `out` outlive this object.
   ProgressDisplay(const Progress& progress, ProgressStyle style, std::FILE* out, double elapsed_before_s = 0);
   ~ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-  // Takes the panel off the terminal, so that what is written next starts on a clean line. Idempotent.
+  // Removes the panel from the terminal, so that the next output starts on a clean line. Idempotent.
   void stop();
   double elapsed_s() const;
 

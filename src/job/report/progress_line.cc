@@ -14,7 +14,7 @@ namespace {
 
 double ratio(double part, double whole) { return whole > 0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; }
 
-// Of a snapshot and of a node, which knows those of tiles alone.
+// Return a counter of a snapshot, or of a node, which has only the counters of tiles.
 std::uint64_t count_of(const NodeProgress& of, ProgressCounter counter) {
   if (counter == ProgressCounter::tiles_triangulated) return of.tiles_triangulated;
   return counter == ProgressCounter::tiles_stored ? of.tiles_stored : 0;
@@ -50,12 +50,12 @@ constexpr int words_width() {
   return static_cast<int>(width);
 }
 
-// An update may be counted as processed before the look at updates_sent: never below zero.
+// An update may be counted as processed before updates_sent was read, so the difference is kept from being negative.
 std::uint64_t in_flight(const ProgressSnapshot& now) {
   return now.updates_sent - std::min(now.updates_sent, now.updates_processed);
 }
 
-// Negative while too little is done to tell.
+// Negative while too little is done for an estimate.
 double seconds_left(const ProgressSnapshot& now) {
   const double done = fraction_done(now);
   if (done < 0.03 || now.elapsed_s < 1) return -1;
@@ -82,7 +82,7 @@ std::string figures(const ProgressSnapshot& before, const ProgressSnapshot& now)
   return text;
 }
 
-// "nodes a 3/12, b 4/13, c lost": of each how many of its tiles are as far as the phase goes.
+// Returns "nodes a 3/12, b 4/13, c lost": of each node how many of its tiles have finished the phase.
 std::string nodes_text(const ProgressSnapshot& now) {
   std::string text;
   for (const NodeProgress& node : now.nodes) {

@@ -1,4 +1,4 @@
-// The style sheet of report.html: for light and dark themes, for telephones, paper and wide screens.
+// The style sheet of report.html, for light and dark themes, telephones, paper and wide screens.
 #pragma once
 
 #include <string>

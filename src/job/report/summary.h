@@ -1,4 +1,4 @@
-// What a finished job tells about itself, once for people, once for programs.
+// What a finished job says about itself, for people and for programs.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ struct JobSummary {
   std::string out;
   int dimension = 3;
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0;
-  std::optional<std::uint64_t> other_heights;     // of the duplicates; 2D, if heights are known
-  DuplicatePolicy keep = DuplicatePolicy::first;  // of equal points
+  std::optional<std::uint64_t> other_heights;     // of the duplicates; in 2D, if heights are known
+  DuplicatePolicy keep = DuplicatePolicy::first;  // which of equal points is the vertex
   std::uint64_t vertices = 0, cells = 0;
-  std::uint64_t tiles = 0;  // that hold points
+  std::uint64_t tiles = 0;  // tiles that hold points
   ExchangeFigures exchange;
   std::uint64_t result_bytes = 0;
-  std::string digest;  // "" when a tile stored by an older version has none
+  std::string digest;  // "" when a tile stored by an older version has no digest
   std::uint64_t peak_memory_bytes = 0;
   std::uint32_t threads = 1;
   std::uint64_t memory_budget_bytes = 0;                // 0: not known
@@ -31,10 +31,10 @@ struct JobSummary {
   std::vector<std::string> warnings;  // sentences about the input
 };
 
-// "12 duplicates, 3 of them at other heights, of which the lowest are kept", from " duplicates" on.
+// Returns the end of "12 duplicates, 3 of them at other heights, of which the lowest are kept", from " duplicates" on.
 std::string duplicates_text(std::uint64_t other_heights, DuplicatePolicy keep);
 
-std::string summary_text(const JobSummary& summary);  // several lines, with the last line end
+std::string summary_text(const JobSummary& summary);  // several lines, each with its line end
 std::string summary_json(const JobSummary& summary);  // one line: {"event":"summary",...}
 
 }  // namespace tessera

@@ -10,9 +10,10 @@ namespace tessera {
 namespace {
 
 constexpr double size_max = 460;
-constexpr std::size_t tiles_drawn_max = 20'000;  // more would be smaller than a pixel
+constexpr std::size_t tiles_drawn_max = 20'000;  // more tiles would be smaller than a pixel
 
-// From dark violet over green to yellow: readable in print and by the colour-blind. Linear between the stops.
+// From dark violet over green to yellow, so that it is readable in print and by colour-blind people. Linear between the
+// stops.
 constexpr std::array<std::array<double, 3>, 5> stops{
     {{62, 38, 110}, {49, 93, 151}, {35, 148, 145}, {106, 195, 96}, {247, 226, 58}}};
 
@@ -44,7 +45,7 @@ std::string tiles_svg(const ReportData& data, int across, int up, const std::vec
   const double extent = std::max(extent_x, extent_y);
   if (!(extent > 0) || !std::isfinite(extent)) return "";
   const double scale = size_max / extent;
-  // A very flat cloud is drawn at least 30 units high, so that something can be seen.
+  // A very flat cloud is drawn at least 30 units high, so that it can be seen.
   const double width = std::max(30.0, extent_x * scale);
   const double height = std::max(30.0, extent_y * scale);
   const auto x_of = [&](double x) {

@@ -10,9 +10,9 @@ namespace tessera {
 namespace {
 
 constexpr double row = 22, gap = 6, top = 6, pixels = 1000;
-constexpr int label_px = 72;  // left of the drawing: report_style.cc leaves as much room
+constexpr int label_px = 72;  // left of the drawing; report_style.cc leaves as much room
 
-// The spans of one thread, merged where neither their ends nor the pauses between them could be seen.
+// Returns the spans of one thread, merged where neither their ends nor the pauses between them could be seen.
 std::vector<PhaseSpan> merge(std::vector<PhaseSpan> spans, double pixel_s) {
   std::sort(spans.begin(), spans.end(), [](const PhaseSpan& a, const PhaseSpan& b) { return a.begin_s < b.begin_s; });
   std::vector<PhaseSpan> bars;
@@ -28,7 +28,7 @@ std::vector<PhaseSpan> merge(std::vector<PhaseSpan> spans, double pixel_s) {
   return bars;
 }
 
-// A round number of seconds that divides the axis into four to ten parts.
+// Returns a round number of seconds that divides the axis into four to ten parts.
 double tick_of(double total_s) {
   const double power = std::pow(10, std::floor(std::log10(std::max(total_s, 1e-3))));
   for (const double step : {0.1, 0.2, 0.5, 1.0}) {

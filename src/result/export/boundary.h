@@ -1,4 +1,4 @@
-// The facets that belong to one cell of a file alone.
+// Finds the facets that belong to only one cell of an exported file.
 #pragma once
 
 #include <algorithm>
@@ -15,16 +15,16 @@
 
 namespace tessera::exports {
 
-// For facets, before they are sorted on disk.
+// Memory for facets; more facets are sorted on disk.
 inline constexpr std::uint64_t facet_sort_bytes = std::uint64_t{64} << 20;
 
 class Boundary {
  public:
-  // Numbers of vertices are less than 2^32. More facets than fit into memory are sorted in `scratch`.
+  // Facets that do not fit into memory are sorted in `scratch`. REQUIRES: numbers of vertices are less than 2^32.
   Boundary(int dimension, std::filesystem::path scratch)
       : corners_(static_cast<std::size_t>(dimension) + 1), open_(std::move(scratch), facet_sort_bytes) {}
 
-  // Facets that the `number`-th cell, positively oriented, does not share with a cell of its tile for sure. REQUIRES:
+  // Adds those facets of a positively oriented cell that are not surely shared with another cell of its tile. REQUIRES:
   // number < 2^31.
   Status add(const CellView& cell, std::uint64_t number) {
     for (std::size_t k = 0; k < corners_; ++k) {
@@ -37,7 +37,7 @@ class Boundary {
         facet.vertices[at++] = static_cast<std::uint32_t>(cell.numbers[i]);
       }
       facet.longest_edge = exports::longest_edge(std::span(places).first(corners_ - 1), corners_ == 3);
-      // Without vertex k the rest, as it stands, is seen from outside when k is even in 3D and in 2D.
+      // Without vertex k, the other vertices in their order are seen from outside when k is even, in 2D and in 3D.
       facet.turned = k % 2 == 0 ? 0 : 1;
       facet.cell = static_cast<std::uint32_t>(number) & 0x7fff'ffffU;
       facet.sort(corners_ - 1);
@@ -46,9 +46,9 @@ class Boundary {
     return success();
   }
 
-  // `visit(numbers, longest_edge, cell)` for each facet of one cell only, in an order that the set of facets
-  // determines: dimension vertices, which turn counterclockwise seen from outside, or in 2D have the cell on their
-  // left. Ends its life. Error corrupt: a facet of more than two cells.
+  // Calls `visit(numbers, longest_edge, cell)` for each facet that belongs to one cell only. The order depends only on
+  // the set of facets. `numbers` has `dimension` vertices: counterclockwise seen from outside in 3D, with the cell on
+  // their left in 2D. The object cannot be used afterwards. Error corrupt for a facet of more than two cells.
   template <class Visit>
   Status for_each(Visit visit) {
     const auto same = [](const Facet& a, const Facet& b) { return a.vertices == b.vertices; };

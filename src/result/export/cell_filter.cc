@@ -34,7 +34,7 @@ double longest_edge(std::span<const Point> corners, bool flat) {
     }
     return most;
   };
-  // hypot() takes ten times as long: for squares that a double does not hold.
+  // hypot() takes ten times as long. It is used for squares that a double cannot hold.
   constexpr double least = 1e-280, most = 1e300;
   const double square = longest([](double x, double y, double z) { return x * x + y * y + z * z; });
   if (square > least && square < most) return std::sqrt(square);

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 namespace exports {
 namespace {
 
-// Error usage when `folder` has files of an older export that those named will not replace.
+// Error usage when `folder` has files of an older export that the files in `names` will not replace.
 Status check_leftovers(const fs::path& folder, const Format& format, const std::set<std::string>& names) {
   FolderReader reader(folder);
   while (const char* name = reader.next())
@@ -40,7 +40,7 @@ Status check_leftovers(const fs::path& folder, const Format& format, const std::
   return success();
 }
 
-// A folder under a temporary name, removed with all that is in it unless it was moved to its place.
+// A folder under a temporary name. The destructor removes it with its contents, unless it was moved to its place.
 class NewFolder {
  public:
   static Result<NewFolder> create(const fs::path& target) {
@@ -49,7 +49,7 @@ class NewFolder {
   }
   const fs::path& path() const { return temporary_.path(); }
 
-  // As a whole when there is none of that name; else file by file into it.
+  // Moves the whole folder if the target does not exist; else moves the files one by one into the target.
   Status publish() {
     BOOST_OUTCOME_TRY(there, is_there(target_));
     if (!there) {
@@ -71,7 +71,7 @@ class NewFolder {
   TemporaryFolder temporary_;
 };
 
-// Tells a writer all that its head announces.
+// Passes to a writer all that its head announces.
 using Give = std::function<Status(MeshWriter&)>;
 
 Result<Exported> export_file(const Format& format, const MeshHead& head, const Target& target, const Give& give) {
@@ -84,7 +84,7 @@ Result<Exported> export_file(const Format& format, const MeshHead& head, const T
     exported.bytes = bytes;
     return exported;
   }
-  // Both files are whole before either gets its name.
+  // Both files are complete before either gets its name.
   const std::string text = format.index(head, {target.path.filename().string()});
   TemporaryFile index(temporary_name(index_beside(target)));
   BOOST_OUTCOME_TRYV(write_whole(index.path(), text));
@@ -96,7 +96,7 @@ Result<Exported> export_file(const Format& format, const MeshHead& head, const T
   return exported;
 }
 
-// Of tiles from which the filter leaves nothing there are no files.
+// Writes no files for tiles of which the filter leaves nothing.
 Result<Exported> export_tiles(const MeshSource& source, const Selection& selection, const Target& target) {
   std::vector<std::size_t> written;
   std::vector<std::string> names;
@@ -144,7 +144,7 @@ Result<Exported> export_arrays(const Format& format, const MeshHead& head, const
   return exported;
 }
 
-// To one file, or to one folder of arrays.
+// Exports to one file, or to one folder of arrays.
 Result<Exported> export_merged(const MeshSource& source, const Selection& selection, const Target& target,
                                const Give& give) {
   const MeshHead head = head_of(source, selection);
@@ -152,7 +152,7 @@ Result<Exported> export_merged(const MeshSource& source, const Selection& select
                        : export_file(source.format, head, target, give);
 }
 
-// What the format could not keep.
+// A note about what the format could not keep.
 std::string note_of(const MeshSource& source) {
   const Manifest& manifest = source.manifest;
   if (source.format.crs) return crs_note(manifest.crs);
@@ -208,7 +208,7 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
 
 Result<std::uint64_t> estimate_export(const Manifest& manifest, const fs::path& target, const ExportOptions& options) {
   BOOST_OUTCOME_TRY(format, exports::find_format(target, options.format));
-  // Numbers as text have up to 18 digits, the ids of large results 9.
+  // Numbers as text have up to 18 digits; ids of large results have 9.
   constexpr std::uint64_t coordinates = 54, number = 10;
   const std::uint64_t corners = static_cast<std::uint64_t>(manifest.dimension) + 1;
   const std::uint64_t vertex = coordinates + 3 * row_bytes(manifest.schema);

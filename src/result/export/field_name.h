@@ -1,4 +1,4 @@
-// Names of a table's columns, of which SQLite and GDAL take some for the same.
+// Names of columns for SQLite and GDAL, which ignore the case of letters.
 #pragma once
 
 #include <cctype>
@@ -7,8 +7,8 @@
 
 namespace tessera::exports {
 
-// The name, with a trailing `_` when it is taken but for upper and lower case; it is taken then. `taken`: in lower
-// case.
+// Returns the name, with a trailing `_` added as long as `taken` has it, apart from upper and lower case. Adds the name
+// to `taken`, which is in lower case.
 inline std::string field_name(std::string name, std::set<std::string>& taken) {
   const auto lower = [](std::string text) {
     for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -1,4 +1,4 @@
-// The one table of the formats: what --help lists, what is refused, and who writes.
+// The table of all export formats: for --help, for refusals, and for opening writers.
 #pragma once
 
 #include <cstdint>
@@ -13,35 +13,36 @@
 namespace tessera::exports {
 
 enum class Shape : std::uint8_t {
-  file,    // one file for all tiles, or a folder with one a tile
+  file,    // one file for all tiles, or a folder with one file a tile
   folder,  // a folder of arrays for all tiles
 };
 
 struct Format {
-  const char* name;          // --format
+  const char* name;          // value of --format
   const char* ending;        // of the files
-  const char* ending2 = "";  // that means the same when it stands in --output
+  const char* ending2 = "";  // also accepted in --output
   const char* summary;       // for --help
-  bool in_3d = true;         // 2D all of them hold
+  bool in_3d = true;         // every format holds 2D results
   Shape shape = Shape::file;
   bool corners = false;         // cells carry coordinates and rows; there is no list of vertices
-  bool vertex_layer = false;    // but one of those with attributes, if there are any
-  bool crs = false;             // tells the coordinate system
-  bool attributes = false;      // holds those of the vertices
+  bool vertex_layer = false;    // but there is a list of vertices with attributes, if there are any
+  bool crs = false;             // stores the coordinate system
+  bool attributes = false;      // stores the attributes of the vertices
   bool heights_apart = false;   // in 2D, z stays an attribute
   bool neighbors = false;       // wants CellView::neighbors
   bool edge_lengths = false;    // wants CellView::longest_edge
-  bool final = false;           // holds CellView::final
-  bool cell_columns = false;    // holds CellView::values
+  bool final = false;           // stores CellView::final
+  bool cell_columns = false;    // stores CellView::values
   bool tile_as_column = false;  // and has no other place for a cell's tile
-  bool floats = false;          // coordinates are of 32 bits
-  bool local = false;           // ExportOptions::local makes sense: the format has no place on a map
-  // Vertices, and cells, that its readers can number; `instead` is what to take for more, or for 3D.
+  bool floats = false;          // coordinates have 32 bits
+  bool local = false;           // ExportOptions::local makes sense, because the format has no place on a map
+  // The most vertices and the most cells that readers of the format can number. `instead` names formats for larger
+  // results, or for 3D.
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   const char* instead;
   OpenedWriter (*open)(const std::filesystem::path& path, const MeshHead& head);
-  // The file that tells of `files`, which stand beside it; or null. It stands beside a merged file only if
-  // `index_of_one`, else only over tiles.
+  // Makes the text of an index file beside `files`; or null. The index is written beside a folder's files, and beside a
+  // merged file only if `index_of_one` is set.
   std::string (*index)(const MeshHead& head, const std::vector<std::string>& files) = nullptr;
   const char* index_ending = "";
   bool index_of_one = false;

@@ -15,10 +15,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The file has another name until it is whole, so it needs neither a journal nor to be synced at every step.
+// The file has another name until it is complete, so it needs no journal and no sync at every step.
 constexpr const char* options[] = {"OGR_SQLITE_SYNCHRONOUS", "OGR_SQLITE_JOURNAL"};
 
-// GDAL wants the ending.
+// GDAL needs the ending.
 fs::path name_until_whole(const fs::path& path) { return temporary_name(path).string() + ".gpkg"; }
 
 }  // namespace
@@ -67,7 +67,7 @@ Result<GeoPackage::Layer> GeoPackage::add_layer(const char* name, OGRwkbGeometry
     gdal_.OGR_Fld_Destroy(field);
     if (!added) return refused("cannot create its table");
   }
-  // Makes the table now, not with its first row: layers stand in their order.
+  // Makes the table now and not with its first row, so that layers are in their order.
   if (gdal_.OGR_L_SyncToDisk(to.layer) != OGRERR_NONE) return refused("cannot create its table");
   to.feature = gdal_.OGR_F_Create(gdal_.OGR_L_GetLayerDefn(to.layer));
   layers_.push_back(to);
@@ -101,7 +101,7 @@ Result<std::uint64_t> GeoPackage::finish(const char* statement) {
   gdal_.CPLErrorReset();
   if (statement != nullptr)
     gdal_.GDALDatasetReleaseResultSet(dataset_, gdal_.GDALDatasetExecuteSQL(dataset_, statement, nullptr, nullptr));
-  release();  // makes the spatial indices; their errors are told by the message alone
+  release();  // makes the spatial indices; only the message reports their errors
   if (*gdal_.CPLGetLastErrorMsg() != '\0') return refused("cannot write");
   BOOST_OUTCOME_TRY(bytes, file_bytes(temporary_.path()));
   BOOST_OUTCOME_TRYV(draw(bytes - std::min<std::uint64_t>(bytes, drawn_)));

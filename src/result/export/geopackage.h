@@ -1,4 +1,4 @@
-// A GeoPackage that appears whole or not at all, written by GDAL, row by row.
+// Writes a GeoPackage with GDAL, row by row. The file appears only when it is complete.
 #pragma once
 
 #include <cstdint>
@@ -25,28 +25,31 @@ class GeoPackage {
     OGRFeatureH feature = nullptr;  // filled anew for every row
   };
 
-  // `crs`: as a manifest has it. Errors, here and below: io, with GDAL's reason; bad_input when it does not understand
-  // the system.
+  // `crs` is a coordinate system as a manifest has it. Errors, here and below: io, with GDAL's reason; bad_input when
+  // GDAL does not know the coordinate system.
   static Result<std::unique_ptr<GeoPackage>> create(const std::filesystem::path& path, const std::string& crs);
   ~GeoPackage();
   GeoPackage(const GeoPackage&) = delete;
   GeoPackage& operator=(const GeoPackage&) = delete;
 
   const GdalLibrary& gdal() const { return gdal_; }
-  // Layers come first, then begin(), then rows. A layer is good as long as this object.
+  // Call add_layer() for all layers first, then begin(), then add() for the rows. A layer is valid as long as this
+  // object.
   Result<Layer> add_layer(const char* name, OGRwkbGeometryType type, const std::vector<Field>& fields,
                           bool spatial_index);
   Status begin();
-  // With the fields of the layer's feature as they are set, and a geometry of `size` bytes.
+  // Adds a row with the fields that are set in the layer's feature, and a geometry of `size` bytes.
   Status add(const Layer& to, const void* wkb, std::size_t size);
-  // Runs the statement, if there is one, makes the spatial indices, and gives the file its name; the size in bytes.
+  // Runs the statement, if there is one, makes the spatial indices, and gives the file its final name. Returns its size
+  // in bytes.
   Result<std::uint64_t> finish(const char* statement = nullptr);
 
  private:
   GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const std::filesystem::path& path);
   Error refused(const std::string& what) const;
   void release();
-  // GDAL writes, not src/base/files: geometries are drawn from the thread's ledger as they come, the rest at the end.
+  // GDAL writes the file without src/base/files. So the bytes of geometries are drawn from the thread's ledger as they
+  // come, and the rest at the end.
   Status draw(std::uint64_t bytes);
 
   const GdalLibrary& gdal_;

@@ -22,7 +22,7 @@ constexpr std::uint64_t unused = ~std::uint64_t{0};
 
 bool is_height(const Attribute& attribute) { return attribute.name == "z" && attribute.type == AttributeType::f64; }
 
-// The rows of a tile, and where they have the heights.
+// Finds the attributes of vertices, and the height among them.
 class Rows {
  public:
   explicit Rows(const MeshSource& source)
@@ -38,10 +38,11 @@ class Rows {
   }
 
   bool heights() const { return height_at_.has_value(); }
-  // Whether the format has any use for them.
+  // True if the format uses rows.
   bool wanted() const { return attributes_ || heights(); }
 
-  // Fetches the heights of a tile, which was read with its rows if they are wanted. Error usage when one is not finite.
+  // Sets the z of a tile's points to their heights. The tile was read with rows if they are wanted. Error usage when a
+  // height is not finite.
   Status lift(const MeshSource& source, StoredTile& tile) const {
     if (!height_at_) return success();
     for (std::size_t i = 0; i < tile.mesh.points.size(); ++i) {
@@ -69,7 +70,7 @@ class Rows {
   std::optional<std::size_t> height_at_;
 };
 
-// What the file is to hold of each vertex besides its place.
+// The columns that the file has of each vertex, besides its position.
 std::vector<Column> columns_of(const MeshSource& source) {
   std::vector<Column> columns;
   if (!source.format.attributes) return columns;
@@ -83,10 +84,10 @@ std::vector<Column> columns_of(const MeshSource& source) {
   return columns;
 }
 
-// Asks now and then, not at each of millions, whether to go on; and tells how far it is.
+// Checks now and then, not for each of millions, whether to go on, and reports progress.
 class Watch {
  public:
-  // `all`: vertices and cells to be written, `done`: those that earlier watches have seen.
+  // `all` vertices and cells are to be written; `done` of them were seen by earlier watches.
   Watch(const MeshSource& source, const Selection& selection, MeshWriter& writer, std::uint64_t done = 0)
       : source_(source),
         writer_(writer),
@@ -111,13 +112,13 @@ class Watch {
   std::uint64_t all_, done_;
 };
 
-// What a tile's cells are told by: numbers of its vertices, or their coordinates and rows.
+// How a writer gets the corners of cells: by the numbers of their vertices, or by their coordinates and rows.
 struct Corners {
   const std::vector<std::uint64_t>& numbers;
   const Rows& rows;
 };
 
-// Values of cells that are told beside those of the result: ExportOptions::longest_edges.
+// Values of cells in addition to the result's columns: ExportOptions::longest_edges.
 class Facts {
  public:
   explicit Facts(const MeshSource& source)
@@ -132,7 +133,7 @@ class Facts {
     if (tile_) cell.values.push_back(reinterpret_cast<const std::byte*>(&cell.tile));
   }
   bool any() const { return edge_; }
-  // Of a cell, whose vertices have been lifted.
+  // Looks at a cell whose vertices have their heights.
   void look_at(const TileMesh& mesh, std::size_t cell) {
     if (edge_) length_ = longest_edge_in_space(mesh, cell);
   }
@@ -142,8 +143,8 @@ class Facts {
   double length_ = 0;
 };
 
-// Gives the writer the cells of a tile that are exported; the first has the number `first`. `tile_of`: the main tile of
-// each.
+// Passes the exported cells of a tile to the writer. The first has the number `first`. `tile_of` returns the main tile
+// of each cell.
 template <class TileOf>
 Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf& tile_of, std::uint64_t first,
                   const Corners& of, MeshWriter& writer, Watch& watch) {
@@ -196,12 +197,12 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf
   return success();
 }
 
-// All of them are of one tile.
+// For cells that all belong to one tile.
 auto tile_of(const MeshSource& source, std::size_t index) {
   return [tile = source.manifest.tiles[index].tile](std::size_t) { return tile; };
 }
 
-// Own vertices of all tiles, which get their numbers.
+// Passes the own vertices of all tiles to the writer, and numbers them.
 Status give_vertices(const MeshSource& source, Selection& selection, const Rows& rows, MeshWriter& writer,
                      Watch& watch) {
   const auto read = [&](std::size_t index) {
@@ -254,7 +255,7 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.crs = crs_or_none(manifest.crs);
   head.software_version = manifest.software_version;
   head.columns = columns_of(source);
-  // Cells in memory, which a question has found, have none.
+  // Cells in memory, which a query has found, have no columns.
   if (source.format.cell_columns && source.tiles != nullptr) head.cell_columns = cell_schema_of(manifest);
   Facts(source).declare(head.cell_columns);
   head.heights = Rows(source).heights();

@@ -1,4 +1,4 @@
-// A result on its way into a format.
+// What an export reads: a result, its format and the options.
 #pragma once
 
 #include <filesystem>

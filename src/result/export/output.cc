@@ -18,7 +18,7 @@ Result<OutputFile> OutputFile::create(const fs::path& target) {
   TemporaryFile temporary(temporary_name(target));
   auto file = open_handle(temporary.path(), O_RDWR | O_CREAT | O_TRUNC, target);
   if (!file) {
-    temporary.keep();  // not ours
+    temporary.keep();  // not our file
     return file.error();
   }
   return OutputFile(target, std::move(temporary), std::move(file).value());

@@ -1,4 +1,4 @@
-// Buffered output to a file that appears whole or not at all.
+// Buffered output to a file that appears only when it is complete.
 #pragma once
 
 #include <charconv>
@@ -18,16 +18,16 @@
 
 namespace tessera::exports {
 
-// Where `target` is to stand.
+// The folder of `target`.
 std::filesystem::path folder_of(const std::filesystem::path& target);
 
-// A file under a temporary name, written through one Stream or more.
+// A file under a temporary name, which one or more Streams write.
 class OutputFile {
  public:
   static Result<OutputFile> create(const std::filesystem::path& target);
   int fd() const { return file_.get(); }
   const std::filesystem::path& target() const { return target_; }
-  // Syncs and renames; the size.
+  // Syncs the file and gives it its name. Returns its size.
   Result<std::uint64_t> finish();
 
  private:
@@ -38,18 +38,18 @@ class OutputFile {
   FileHandle file_;
 };
 
-// Bytes that follow each other from some place of a file on. The first error is kept.
+// Writes bytes one after the other, from an offset of a file on. Keeps the first error.
 class Stream {
  public:
   Stream(const OutputFile& file, std::uint64_t offset) : Stream(file.fd(), file.target(), offset) {}
-  // `path`: what errors name.
+  // Errors name `path`.
   Stream(int fd, std::filesystem::path path, std::uint64_t offset) : fd_(fd), path_(std::move(path)), offset_(offset) {}
   void text(std::string_view text) { bytes(std::as_bytes(std::span(text.data(), text.size()))); }
   template <class T>
   void value(const T& value) {
     bytes(std::as_bytes(std::span(&value, 1)));
   }
-  // The shortest digits that read back as the same number.
+  // Writes the shortest digits that are read back as the same number.
   template <class T>
   void digits(T value) {
     constexpr std::size_t most = 32;
@@ -68,7 +68,7 @@ class Stream {
 
  private:
   static constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
-  // Empties the buffer, and has room for `wanted` bytes then.
+  // Empties the buffer, and makes it at least `wanted` bytes large.
   void write(std::size_t wanted = 0);
   int fd_;
   std::filesystem::path path_;
@@ -78,7 +78,7 @@ class Stream {
   Status status_ = success();
 };
 
-// `text` as XML's text or attribute value.
+// Escapes `text` for XML text or an attribute value.
 std::string xml_text(std::string_view text);
 
 }  // namespace tessera::exports

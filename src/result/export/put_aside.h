@@ -1,4 +1,4 @@
-// Numbers that come before their place in the file: kept in a file without a name beside it.
+// Numbers that come before their place in the file. They are kept in an unnamed file beside it.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ class PutAside {
   }
   void add(double number) { stream_.value(number); }
   const Status& status() const { return stream_.status(); }
-  // `visit(number)` for each, in order.
+  // Calls `visit(number)` for each number, in order.
   template <class Visit>
   Status for_each(Visit visit) {
     BOOST_OUTCOME_TRYV(flush());
@@ -41,9 +41,9 @@ class PutAside {
     return success();
   }
 
-  // Numbers that were added until now can be read.
+  // Makes the numbers that were added so far readable.
   Status flush() { return stream_.flush(); }
-  // The `index`-th number. REQUIRES: flush() was called since it was added.
+  // Returns the `index`-th number. REQUIRES: flush() was called since it was added.
   Result<double> at(std::uint64_t index) const {
     double number = 0;
     const auto bytes = std::as_writable_bytes(std::span(&number, 1));

@@ -43,7 +43,7 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
   selection.cells = 0;
   for (std::size_t index = 0; index < manifest.tiles.size(); ++index) {
     if (source.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
-    if (source.options.progress) source.options.progress(0);  // nothing is written yet, but who is told may stop it
+    if (source.options.progress) source.options.progress(0);  // nothing is written yet, but the callback may stop it
     BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {}));
     selection.numbers.survey(tile.mesh, index);
     auto& cells = selection.parts[index].cells;

@@ -1,4 +1,5 @@
-// What of a result is exported, counted before a file is begun: formats tell counts in their heads.
+// What an export of a result contains. It is counted before a file is begun, because formats have counts in their
+// headers.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +12,17 @@
 namespace tessera::exports {
 
 struct Selection {
-  std::vector<Part> parts;  // as the manifest's tiles
+  std::vector<Part> parts;  // one a tile of the manifest
   std::uint64_t vertices = 0, cells = 0;
   VertexNumbers numbers;
 };
 
-// With a filter reads all tiles, and leaves out vertices that no cell needs any more. Prepares `numbers` with a filter,
-// or when they are wanted. Errors: of reading; usage when the filter leaves nothing; interrupted.
+// With a filter, reads all tiles and leaves out vertices that no exported cell uses. Prepares `numbers` with a filter,
+// or when `numbers_wanted`. Errors: those of reading; usage when the filter leaves nothing; interrupted.
 Result<Selection> select(const MeshSource& source, bool numbers_wanted);
 
-// All of these cells, of the main tiles `tiles`. REQUIRES: those of a tile stand together, and vertices come in the
-// order in which the cells use them first.
+// Selects all of these cells; `tiles` has the main tile of each. REQUIRES: cells of a tile follow each other, and
+// vertices come in the order in which cells first use them.
 Selection select_all(const TileMesh& cells, std::span<const TileId> tiles);
 
 }  // namespace tessera::exports

@@ -1,4 +1,4 @@
-// What the writers have in common whose file is one stream, from its first byte to its last.
+// The base of the writers whose file is a single stream of bytes.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ class StreamWriter : public MeshWriter {
   OutputFile file_;
 
  protected:
-  // Writes what stands behind the last cell.
+  // Writes what follows the last cell.
   virtual void end() {}
   Stream stream_;
 };

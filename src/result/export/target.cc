@@ -105,7 +105,7 @@ Status check_fits(const fs::path& out, const Manifest& manifest, const Format& f
     return error(Errc::usage, out.string() + ": " + why + "; " + format.instead + " can");
   };
   if (manifest.dimension == 3 && !format.in_3d)
-    // PLY and OFF hold them, too, but most programs find the points alone there.
+    // PLY and OFF could hold tetrahedra, but most programs find only the points there.
     return error(Errc::usage, out.string() + ": is a 3D result, whose cells are tetrahedra, and " + format.name +
                                   " has no tetrahedra; vtu, msh, mesh and npy have them");
   if (manifest.region && !manifest.region->complete && !format.final)

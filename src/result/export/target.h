@@ -1,4 +1,4 @@
-// Where an export goes, checked before anything is read.
+// Checks where an export goes, before anything is read.
 #pragma once
 
 #include <filesystem>
@@ -10,20 +10,20 @@
 
 namespace tessera::exports {
 
-// Where the result goes: a file, or a folder.
+// The target of an export: a file or a folder.
 struct Target {
   const Format* format = nullptr;
   std::filesystem::path path;
   bool folder = false;
 };
 
-// Errors of export_result() that need no result: usage.
+// Returns those of the errors usage of export_result() that need no result.
 Result<Target> find_free_target(const std::filesystem::path& path, const ExportOptions& options);
 
-// The format of this name, or when it is empty the one of the target's ending. Error usage when there is none.
+// The format with this name, or if `name` is empty, the format of the target's ending. Error usage when there is none.
 Result<const Format*> find_format(const std::filesystem::path& target, const std::string& name);
 
-// The file that tells of the exported one, if the format has such.
+// The index file beside the exported file, if the format has one.
 std::filesystem::path index_beside(const Target& target);
 
 // Error usage when the format cannot hold the result.

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t unknown = ~std::uint64_t{0};
 
-// By vertex: 1 when a cell that the filter keeps has it.
+// By vertex: 1 when a cell that the filter keeps has the vertex.
 std::vector<std::uint8_t> used_here(const TileMesh& mesh, const CellFilter& filter) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   std::vector<std::uint8_t> used(mesh.ids.size(), 0);

@@ -1,6 +1,6 @@
-// CSV with the triangles as WKT polygons, and OGR's VRT that makes layers of such tables: what the QGIS projects of the
-// paper's authors are made of (columns geom, tid: the tile, local: how many vertices are the tile's own, main). GDAL is
-// not needed to write it.
+// CSV with the triangles as WKT polygons, and OGR's VRT, which makes layers of such tables. The QGIS projects of the
+// paper's authors consist of these (columns geom; tid: the tile; local: how many vertices are the tile's own; main).
+// Writing needs no GDAL.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* first_fields[] = {"tid", "local", "main", "v0", "v1", "v2"};
 
-// Of columns of cells.
+// The names of the columns of cells.
 std::vector<std::string> cell_fields(const MeshHead& head) {
   std::set<std::string> taken{"geom"};
   taken.insert(std::begin(first_fields), std::end(first_fields));
@@ -28,7 +28,7 @@ std::vector<std::string> cell_fields(const MeshHead& head) {
   return names;
 }
 
-// In the header.
+// Quotes a name for the header.
 std::string quoted(const std::string& name) {
   if (name.find_first_of("\",;") == std::string::npos) return name;
   std::string text = "\"";
@@ -81,13 +81,13 @@ class CsvWriter : public StreamWriter {
   }
 
  private:
-  // What is no number is an empty field.
+  // A number that is not finite is an empty field.
   template <class Value>
   void number(Value value) {
     if constexpr (std::is_floating_point_v<Value>) {
       if (std::isnan(value)) return;
     }
-    // Readers have doubles: the shortest digits of a float would be another one.
+    // Readers use doubles, and the shortest digits of a float would give another double.
     if constexpr (std::is_same_v<Value, float>) return stream_.digits(static_cast<double>(value));
     stream_.digits(value);
   }
@@ -124,8 +124,8 @@ std::string vrt_index(const MeshHead& head, const std::vector<std::string>& file
   std::string layers;
   for (const auto& file : files) layers += layer(head, file);
   if (files.size() > 1) layers = "<OGRVRTUnionLayer name=\"triangulation\">\n" + layers + "</OGRVRTUnionLayer>\n";
-  // A name of a file can be any bytes, and must stay those to be found. As Latin-1 they are XML, too; GDAL takes bytes
-  // as they are, whatever is declared.
+  // A file name can be any bytes, and must keep these bytes to be found. As Latin-1 they are valid XML, too. GDAL takes
+  // the bytes as they are, whatever encoding is declared.
   const bool utf8 = std::all_of(files.begin(), files.end(), [](const auto& file) { return is_utf8(file); });
   const std::string declaration = utf8 ? "" : "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n";
   return declaration + "<OGRVRTDataSource>\n" + layers + "</OGRVRTDataSource>\n";

@@ -1,4 +1,4 @@
-// DXF as AutoCAD R12 wrote it, which every program reads: a 3DFACE each triangle, all on the layer TIN, so that
+// DXF as AutoCAD R12 wrote it, which every program reads: one 3DFACE a triangle, all on the layer TIN, so that
 // surveyors choose one layer to make a surface of. The format has no coordinate system.
 #include <array>
 #include <charconv>
@@ -37,7 +37,7 @@ class DxfWriter : public StreamWriter {
 
  private:
   void end() override { stream_.text("0\nENDSEC\n0\nEOF\n"); }
-  // A number without a point may be taken for an integer.
+  // Without a decimal point a reader may take a number for an integer.
   void real(double value) {
     std::array<char, 32> buffer{};
     const std::string_view text(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr);

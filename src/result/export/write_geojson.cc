@@ -1,10 +1,11 @@
-// GeoJSON: a FeatureCollection with one polygon a triangle, by our own writer: GDAL's loses bits even with 17 digits
-// (6277550.010000001 becomes 6277550.01) and takes ten times as long. GDAL is asked for the coordinate system only.
-// RFC 7946 knows longitude and latitude alone; other systems are named by the "crs" member of the 2008 specification,
-// which GDAL and QGIS read.
+// GeoJSON: a FeatureCollection with one polygon a triangle. The writer is our own, because GDAL's loses bits even with
+// 17 digits (6277550.010000001 becomes 6277550.01) and takes ten times as long. GDAL is asked only for the coordinate
+// system. RFC 7946 allows only longitude and latitude. Other systems are named by the "crs" member of the 2008
+// specification, which GDAL and QGIS read.
 //
-// A file is one layer, so triangles carry the attributes of their corners: intensity_0 is that of v0. A property for
-// each, since QGIS styles by numbers, not by lists; and no means, for that of a class is another class.
+// A file is one layer, so triangles have the attributes of their corners: intensity_0 is that of v0. There is one
+// property for each corner, because QGIS styles by numbers, not by lists. There are no means, because the mean of two
+// classes is another class.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -34,7 +35,7 @@ class GeoJsonWriter : public StreamWriter {
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" + quoted(crs) +
                  "}},\"features\":[");
     for (const auto& column : cell_columns_) cell_keys_.push_back("," + quoted(column.name) + ":");
-    // As different from each other as the attributes' names; "tile" and "v0" end otherwise.
+    // The keys differ from each other as the attributes' names do; "tile" and "v0" end differently.
     for (const auto& column : columns_)
       for (std::size_t k = 0; k < 3; ++k) keys_.push_back("," + quoted(column.name + "_" + std::to_string(k)) + ":");
   }
@@ -80,9 +81,9 @@ class GeoJsonWriter : public StreamWriter {
   template <class Value>
   void number(Value value) {
     if constexpr (std::is_floating_point_v<Value>) {
-      if (!std::isfinite(value)) return stream_.text("null");  // JSON has no other
+      if (!std::isfinite(value)) return stream_.text("null");  // JSON has no other value
     }
-    // Readers have doubles: the shortest digits of a float would be another one.
+    // Readers use doubles, and the shortest digits of a float would give another double.
     if constexpr (std::is_same_v<Value, float>) return stream_.digits(static_cast<double>(value));
     stream_.digits(value);
   }
@@ -91,7 +92,7 @@ class GeoJsonWriter : public StreamWriter {
   std::vector<Column> columns_;
   std::vector<Attribute> cell_columns_;
   std::vector<std::string> cell_keys_;
-  std::vector<std::string> keys_;  // three of each column
+  std::vector<std::string> keys_;  // three keys a column
   std::uint64_t cells_ = 0;
 };
 

@@ -1,7 +1,6 @@
-// GeoPackage, written by GDAL: one polygon a triangle in the table "triangulation", one point a vertex with its
-// attributes in the table "vertices", if there are any, both with a spatial index. A table of their own, since each
-// value is there once then and can be styled as it is; v0, v1 and v2 of a triangle are ids of vertices, which have an
-// index.
+// GeoPackage, written by GDAL: one polygon a triangle in the table "triangulation"; if vertices have attributes, one
+// point a vertex in the table "vertices"; both with a spatial index. Vertices have a table of their own, so that each
+// value is there once and can be styled as it is. v0, v1 and v2 of a triangle are ids of vertices, which have an index.
 #include <array>
 #include <cstring>
 #include <memory>
@@ -22,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A point as GDAL takes it: little endian, the numbers of ISO.
+// A point as GDAL takes it: little endian, with ISO's type numbers.
 class WkbPoint {
  public:
   explicit WkbPoint(bool heights) : axes_(heights ? 3 : 2) {
@@ -41,7 +40,7 @@ class WkbPoint {
   std::array<unsigned char, 5 + 24> bytes_{};
 };
 
-// A ring of four corners, the same way.
+// A ring of four corners in the same format.
 class WkbTriangle {
  public:
   explicit WkbTriangle(bool heights) : axes_(heights ? 3 : 2) {

@@ -1,5 +1,5 @@
-// Binary glTF 2.0: one mesh of triangles, as browsers, Blender and game engines open it. Positions are floats of 32
-// bits that count from a place near the first vertex; the node has that place as doubles. glTF's y looks up: x, z, -y.
+// Binary glTF 2.0: one mesh of triangles, as browsers, Blender and game engines open it. Positions are 32-bit floats,
+// relative to a point near the first vertex, which the node has as doubles. In glTF y points up: x, z, -y.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,13 +22,13 @@ using Json = nlohmann::ordered_json;
 using Floats = std::array<float, 3>;
 using Color = std::array<std::uint16_t, 4>;
 
-constexpr int unsigned_short = 5123, unsigned_int = 5125, real = 5126;  // of glTF, OpenGL's
+constexpr int unsigned_short = 5123, unsigned_int = 5125, real = 5126;  // glTF's numbers, which are OpenGL's
 constexpr int array_buffer = 34962, element_array_buffer = 34963;
-// The description stands before what it describes, and is known last.
+// The JSON comes before the data that it describes, but is known last.
 constexpr std::uint64_t description_bytes = 2048;
 constexpr std::uint64_t data_at = 12 + 8 + description_bytes + 8;
 
-// Where a vertex's row has one of red, green and blue.
+// The place of red, green or blue in a vertex's row.
 struct Channel {
   AttributeType type = AttributeType::u16;
   std::size_t offset = 0;

@@ -1,8 +1,8 @@
-// Gmsh's MSH 4.1, in text or in binary. A tile is an entity and a physical group "tile N" with the tag N + 1; the
-// facets of one cell alone are those of the group "boundary", turned outwards. Vertices belong to the tile that owns
-// them, cells to theirs, as parts of MeshHead. The boundary, the box and the number of elements are known at the end:
-// the places of the latter are filled then. Elements of the boundary have data, too, of columns that of their cell:
-// meshio wants some of every element.
+// Gmsh's MSH 4.1, as text or binary. A tile is an entity and a physical group "tile N" with the tag N + 1. Facets of
+// only one cell form the group "boundary", turned outwards. Vertices belong to the tile that owns them, and cells to
+// theirs, in the order of MeshHead::parts. The boundary, the box and the number of elements are known only at the end,
+// so their places are filled then. Elements of the boundary also have values of the cells' columns, those of their
+// cell, because meshio needs values of every element.
 #include <algorithm>
 #include <array>
 #include <deque>
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A line of numbers: as text, or as the types of the format. Wide numbers take the same room whatever their value.
+// A line of numbers, as text or in the format's binary types. Wide numbers take the same room whatever their value.
 class Line {
  public:
   Line(Stream& stream, bool binary) : stream_(stream), binary_(binary) {}
@@ -151,7 +151,7 @@ class GmshWriter : public MeshWriter {
         binary_(binary),
         boundary_(head.dimension, folder_of(file_.target())) {
     stream_.text(binary_ ? "$MeshFormat\n4.1 1 8\n" : "$MeshFormat\n4.1 0 8\n");
-    if (binary_) stream_.value(std::int32_t{1});  // tells the order of bytes
+    if (binary_) stream_.value(std::int32_t{1});  // shows the byte order
     if (binary_) stream_.text("\n");
     stream_.text("$EndMeshFormat\n$PhysicalNames\n" + std::to_string(head_.parts.size() + (head_.cells > 0 ? 1 : 0)) +
                  "\n");
@@ -175,7 +175,7 @@ class GmshWriter : public MeshWriter {
 
   PutAside& longest_edges() { return aside_[head_.columns.size()]; }
   PutAside& cell_column(std::size_t c) { return aside_[head_.columns.size() + 1 + c]; }
-  // A facet has the value of its cell.
+  // Writes the value of a facet's cell for the facet.
   void repeat(PutAside& numbers, std::uint64_t cell) {
     if (!status_) return;
     if (const auto number = numbers.at(cell)) {
@@ -188,7 +188,7 @@ class GmshWriter : public MeshWriter {
   static std::int32_t tag_of(const Part& part) { return static_cast<std::int32_t>(part.tile.value) + 1; }
   void end_section(const char* name) { stream_.text(std::string(binary_ ? "\n" : "") + "$End" + name + "\n"); }
 
-  // All have the box of the whole: what Gmsh asks of a box is that nothing is outside.
+  // All entities get the box of the whole mesh: Gmsh only requires that nothing lies outside.
   void entities(Stream& to) const {
     std::array<std::uint64_t, 4> counts{};  // by dimension
     counts[static_cast<std::size_t>(head_.dimension)] = head_.parts.size();
@@ -199,13 +199,13 @@ class GmshWriter : public MeshWriter {
       Line line(to, binary_);
       line.tag(tag);
       for (const Point& corner : {box.lo, box.hi}) line.wide(corner.x).wide(corner.y).wide(corner.z);
-      line.count(1).tag(tag).count(0);  // one physical group, of the same tag; no entities around it
+      line.count(1).tag(tag).count(0);  // one physical group with the same tag; no bounding entities
     };
     if (head_.cells > 0) entity(1);
     for (const auto& part : head_.parts) entity(tag_of(part));
   }
 
-  // Goes on to the next part that has any: its block's head.
+  // Begins the block of the next part that has elements.
   void begin_part(std::uint64_t Part::*count, std::int32_t third) {
     while (head_.parts[part_].*count == 0) ++part_;
     const Part& part = head_.parts[part_++];
@@ -213,7 +213,7 @@ class GmshWriter : public MeshWriter {
     Line(stream_, binary_).tag(head_.dimension).tag(tag_of(part)).tag(third).count(left_in_part_);
   }
   void begin_vertices() {
-    begin_part(&Part::vertices, 0);  // without parameters
+    begin_part(&Part::vertices, 0);  // not parametric
     for (std::uint64_t i = 0; i < left_in_part_; ++i) Line(stream_, binary_).count(++numbered_);
   }
   void begin_cells() {
@@ -238,7 +238,7 @@ class GmshWriter : public MeshWriter {
 
   Status data(const char* section, std::string name, std::uint64_t rows, PutAside& numbers) {
     if (rows == 0) return success();
-    // The name ends at the next quotation mark, its line at a line break.
+    // The name ends at the next quotation mark, and its line at a line break.
     for (char& c : name)
       if (c == '"' || static_cast<unsigned char>(c) < ' ') c = c == '"' ? '\'' : ' ';
     stream_.text(std::string("$") + section + "\n1\n\"" + name + "\"\n1\n0\n3\n0\n1\n" + std::to_string(rows) + "\n");
@@ -262,10 +262,10 @@ class GmshWriter : public MeshWriter {
   Boundary boundary_;
   std::deque<PutAside> aside_;  // attributes of vertices, the longest edges, columns of cells
   Bounds box_;
-  std::size_t part_ = 0;            // the one that comes next
+  std::size_t part_ = 0;            // the next part
   std::uint64_t left_in_part_ = 0;  // vertices, then cells
   std::uint64_t numbered_ = 0, cells_ = 0;
-  std::uint64_t entities_ = 0, elements_ = 0;  // where they stand
+  std::uint64_t entities_ = 0, elements_ = 0;  // offsets in the file
   Status status_ = success();
 };
 

@@ -1,5 +1,5 @@
-// LandXML 1.2: one surface, a TIN, its points as "north east elevation". Units are those of the coordinate system,
-// which GDAL tells; metres when there is none.
+// LandXML 1.2: one surface, a TIN, with points as "north east elevation". Units are those of the coordinate system,
+// which GDAL tells, or metres when there is none.
 #include <ctime>
 #include <string>
 

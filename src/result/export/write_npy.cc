@@ -1,9 +1,9 @@
 // A folder of NumPy arrays, which numpy.load(mmap_mode="r") opens without reading them:
-//   points.npy     f8 n x dimension      ids.npy        u8 n        <attribute>.npy  n; in 2D also z.npy
-//   cells.npy      i8 m x (d+1)          tile.npy       u4 m, the tile whose main cell it is
-//   neighbors.npy  i8 m x (d+1), across the facet opposite each vertex; -1 the outside; if the result has neighbours
-//   cell_<column>.npy  m; columns of cells
-//   final.npy      u1 m, whether each cell is one of the whole triangulation for sure; of parts of one
+//  points.npy     f8 n x dimension      ids.npy        u8 n        <attribute>.npy  n; in 2D also z.npy
+//  cells.npy      i8 m x (d+1)          tile.npy       u4 m, the tile in which the cell is main
+//  neighbors.npy  i8 m x (d+1), across the facet opposite each vertex; -1 the outside; if the result has neighbours
+//  cell_<column>.npy  m; columns of cells
+//  final.npy      u1 m, whether each cell is surely one of the whole triangulation; only for a region
 #include <algorithm>
 #include <deque>
 #include <set>
@@ -30,11 +30,11 @@ struct Array {
   Stream stream;
 };
 
-// A facet between two tiles: by the ids of its vertices.
+// A facet between two tiles, by the ids of its vertices.
 struct OpenFacet {
   std::array<PointId, 3> ids{};
   std::uint64_t cell = 0;
-  std::uint64_t place = 0;  // of the neighbour in neighbors.npy, in entries
+  std::uint64_t place = 0;  // index of the neighbour's entry in neighbors.npy
   friend bool operator<(const OpenFacet& a, const OpenFacet& b) {
     return std::tie(a.ids, a.place) < std::tie(b.ids, b.place);
   }
@@ -86,7 +86,7 @@ class NpyWriter : public MeshWriter {
     if (head_.final) arrays_.back().stream.value(static_cast<std::uint8_t>(cell.final));
     if (head_.neighbors) {
       for (std::size_t k = 0; k < corners; ++k) {
-        // Until its other side is found, a facet between tiles counts as one of the outside.
+        // Until its other side is found, a facet between tiles counts as one on the outside.
         const bool open = cell.neighbors[k] == CellView::elsewhere;
         arrays_[neighbors].stream.value(open ? CellView::outside : cell.neighbors[k]);
         if (!open || !status_) continue;
@@ -132,7 +132,7 @@ class NpyWriter : public MeshWriter {
 
   std::size_t first_column() const { return head_.neighbors ? neighbors + 1 : neighbors; }
 
-  // `columns` 0: an array of one dimension.
+  // With `columns` 0 the array has one dimension.
   Status add(const std::string& name, AttributeType type, std::uint64_t rows, std::uint64_t columns) {
     BOOST_OUTCOME_TRY(file, OutputFile::create(folder_ / (name + ".npy")));
     Stream stream(file, 0);
@@ -145,7 +145,8 @@ class NpyWriter : public MeshWriter {
     return success();
   }
 
-  // The two main cells of a facet, of different tiles, come to stand side by side; one alone is at the outside.
+  // Sorting puts the two main cells of a facet, which are in different tiles, side by side. A facet with one cell is on
+  // the outside.
   Status match_facets() {
     const OutputFile& file = arrays_[neighbors].file;
     const auto set = [&](const OpenFacet& facet, std::uint64_t neighbor) {
@@ -164,7 +165,7 @@ class NpyWriter : public MeshWriter {
   MeshHead head_;
   std::deque<Array> arrays_;
   ExternalSort<OpenFacet> open_facets_;
-  std::size_t first_of_cells_ = 0;  // of arrays_: columns of cells
+  std::size_t first_of_cells_ = 0;  // index in arrays_ of the first column of cells
   std::uint64_t cells_ = 0;
   Status status_ = success();
 };

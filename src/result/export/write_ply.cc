@@ -26,7 +26,7 @@ const char* ply_type(AttributeType type) {
       return "int";
     case AttributeType::f32:
       return "float";
-    case AttributeType::u64:  // PLY has no 64-bit integers; a double holds them up to 2^53
+    case AttributeType::u64:  // PLY has no 64-bit integers; a double is exact up to 2^53
     case AttributeType::i64:
     case AttributeType::f64:
       return "double";
@@ -34,7 +34,7 @@ const char* ply_type(AttributeType type) {
   return "";
 }
 
-// Names end at white space and must differ from each other.
+// Names end at white space, and must differ from each other.
 std::string ply_name(std::string name, std::set<std::string>& taken) {
   for (char& c : name) {
     const auto byte = static_cast<unsigned char>(c);

@@ -1,5 +1,5 @@
-// STL, binary: a normal and three corners for each triangle, as floats of 32 bits. The format has no vertices, units or
-// attributes; what belongs together has the same coordinates.
+// STL, binary: a normal and three corners for each triangle, as 32-bit floats. The format has no vertices, units or
+// attributes. Triangles that share a vertex have the same coordinates there.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -15,7 +15,7 @@ namespace {
 using Floats = std::array<float, 3>;
 
 // Not inline: where corners are rounded to floats in the same function, GCC 12 at -O3 vectorises both and drops some of
-// the rounding, so that the normal is of other corners than are written.
+// the rounding, so that the normal belongs to other corners than those that are written.
 [[gnu::noinline]] Floats normal_of(const std::array<Floats, 3>& corners) {
   const auto edge = [&](std::size_t to, std::size_t axis) {
     return static_cast<double>(corners[to][axis]) - static_cast<double>(corners[0][axis]);
@@ -28,7 +28,7 @@ using Floats = std::array<float, 3>;
     square += normal[axis] * normal[axis];
   }
   Floats out{};
-  if (square == 0) return out;  // rounding has flattened it: readers take a normal of 0 to be unknown
+  if (square == 0) return out;  // rounding has flattened the triangle: readers take a normal of 0 as unknown
   for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = static_cast<float>(normal[axis] / std::sqrt(square));
   return out;
 }

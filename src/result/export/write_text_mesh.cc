@@ -1,8 +1,8 @@
-// Text formats of one build: a head, a line a vertex, a line between, a line a cell, an end. Coordinates have the
-// shortest digits that read back as the same double.
-//   OFF            3D: each tetrahedron as its list of vertices
-//   OBJ            2D only; numbers from 1
-//   MEDIT .mesh    version 2 (double precision). Always three coordinates: Gmsh reads no other. Reference 1 for all.
+// Text formats with the same structure: a head, one line a vertex, a line between, one line a cell, an end. Coordinates
+// have the shortest digits that are read back as the same double.
+//  OFF            3D: each tetrahedron as its list of vertices
+//  OBJ            2D only; numbers from 1
+//  MEDIT .mesh    version 2 (double precision). Always three coordinates: Gmsh reads no other. Reference 1 for all.
 #include <string_view>
 
 #include "src/result/export/formats.h"

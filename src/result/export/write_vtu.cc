@@ -1,5 +1,5 @@
-// VTK's XML format with raw appended data. Every array has its place in the file from the start, since all counts are
-// known; points and cells then fill the arrays side by side.
+// VTK's XML format with raw appended data. All counts are known, so every array has its place in the file from the
+// start. Points and cells fill the arrays side by side.
 #include <string>
 
 #include "src/result/export/formats.h"
@@ -26,7 +26,7 @@ struct VtuArray {
 constexpr const char* xml_start = "<?xml version=\"1.0\"?>\n<VTKFile type=\"";
 constexpr const char* xml_version = "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
 
-// A stream for every array.
+// Writes one stream for each array.
 class VtuWriter : public MeshWriter {
  public:
   VtuWriter(OutputFile file, const MeshHead& head)

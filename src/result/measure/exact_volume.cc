@@ -14,13 +14,13 @@ namespace {
 
 namespace mp = boost::multiprecision;
 using mp::cpp_int;
-// Of determinants whose entries have 63 bits: 3 x 63 + 3.
+// Holds determinants whose entries have 63 bits: 3 x 63 + 3.
 using Wide = mp::number<mp::cpp_int_backend<256, 256, mp::signed_magnitude, mp::unchecked, void>, mp::et_off>;
 __extension__ using Int128 = __int128;
 
 constexpr int digits = std::numeric_limits<double>::digits;
 
-// x = odd 2^exponent, or 0.
+// The number odd * 2^exponent, or 0.
 struct Odd {
   std::int64_t odd = 0;
   int exponent = 0;
@@ -34,7 +34,7 @@ Odd odd_of(double x) {
   return {mantissa / (std::int64_t{1} << zeros), exponent - digits + zeros};
 }
 
-// Of one axis: all corners' coordinates as multiples of one power of two, the greatest that does.
+// One axis: the coordinates of all corners as multiples of the greatest possible power of two.
 struct Axis {
   std::array<Odd, 4> at;
   int exponent = 0;
@@ -84,7 +84,7 @@ Edges<Integer> edges(const std::array<Axis, 3>& axes, std::size_t d) {
   return rows;
 }
 
-// `Minor` holds products of two edges' coordinates, `Whole` the determinant.
+// `Minor` holds products of coordinates of two edges, `Whole` the determinant.
 template <class Minor, class Whole, class Integer>
 Whole determinant(const Edges<Integer>& e, std::size_t d) {
   const auto minor = [&](std::size_t i, std::size_t j, std::size_t x, std::size_t y) -> Minor {
@@ -106,7 +106,7 @@ ScaledInteger volume_times_factorial(std::span<const Point> corners) {
     bits = std::max(bits, axes[axis].bits);
     result.exponent += axes[axis].exponent;
   }
-  // Differences have a bit more, and a sign.
+  // Differences have one more bit, and a sign.
   constexpr int bits_max = 62;
   if (bits <= bits_max)
     result.value = cpp_int(determinant<Int128, Wide>(edges<std::int64_t>(axes, d), d));
@@ -125,12 +125,12 @@ double rounded_quotient(const ScaledInteger& number, unsigned divisor) {
   cpp_int quotient, rest;
   mp::divide_qr(magnitude, cpp_int(divisor), quotient, rest);
   const int exponent = number.exponent - shift, top = static_cast<int>(mp::msb(quotient));
-  // The last bit that stays: a double has 53, and none below 2^-1074.
+  // The last bit that is kept: a double has 53 bits, and none below 2^-1074.
   constexpr int least = std::numeric_limits<double>::min_exponent - digits;
   const int dropped = std::max(top + 1 - digits, least - exponent);
   if (dropped > top + 1) return negative ? -0.0 : 0.0;
   cpp_int kept = quotient >> static_cast<unsigned>(dropped);
-  const auto half = static_cast<unsigned>(dropped - 1);  // dropped > 0, for the quotient is longer
+  const auto half = static_cast<unsigned>(dropped - 1);  // dropped > 0, because the quotient is longer
   const bool at_least_half = mp::bit_test(quotient, half);
   const bool more = rest != 0 || (half > 0 && mp::lsb(quotient) < half);
   if (at_least_half && (more || mp::bit_test(kept, 0))) ++kept;

@@ -1,9 +1,9 @@
-// Volumes of cells, exactly: a double is an integer times a power of two, and so is a determinant of doubles.
+// Exact volumes of cells. A double is an integer times a power of two, and so is a determinant of doubles.
 //
-// The integers are those of Boost.Multiprecision. An exact sum does not depend on the order of what is added, so sums
-// over cells are the same however cells are cut into tiles, and by how many threads they are added; they are rounded
-// once. Source of the idea: Kulisch, Miranker, The arithmetic of the digital computer, SIAM Review 28 (1986), whose
-// accumulator has one fixed exponent for all; here the exponent is the least that was added.
+// The integers are Boost.Multiprecision's. An exact sum does not depend on the order of its terms. So a sum over cells
+// is the same however cells are divided into tiles, and however many threads add them; it is rounded once. The idea is
+// from Kulisch, Miranker, The arithmetic of the digital computer, SIAM Review 28 (1986). Their accumulator has one
+// fixed exponent; here the exponent is the least one that was added.
 #pragma once
 
 #include <array>
@@ -15,17 +15,17 @@
 
 namespace tessera {
 
-// value times 2^exponent.
+// The number value times 2^exponent.
 struct ScaledInteger {
   boost::multiprecision::cpp_int value;
   int exponent = 0;
 };
 
-// d! times the signed volume of a simplex of d + 1 points, in 2D twice the area of the triangle in the plane. Positive
-// when det(p1-p0, p2-p0[, p3-p0]) is. REQUIRES: 3 or 4 finite points.
+// Returns d! times the signed volume of a simplex of d + 1 points; in 2D twice the area of the triangle in the plane.
+// Positive when det(p1-p0, p2-p0[, p3-p0]) is positive. REQUIRES: 3 or 4 finite points.
 ScaledInteger volume_times_factorial(std::span<const Point> corners);
 
-// number / divisor, rounded to the nearest double, ties to even; infinite when it is beyond the largest.
+// number / divisor, rounded to the nearest double, ties to even; infinite when it is too large for a double.
 double rounded_quotient(const ScaledInteger& number, unsigned divisor);
 
 class ExactSum {

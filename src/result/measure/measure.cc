@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t cells_a_look = 4096;  // at whether to stop
+constexpr std::size_t cells_a_look = 4096;  // between two checks for a stop
 
 std::string unit_of(const Manifest& manifest) {
   const CoordinateUnits units = coordinate_units(manifest.crs);
@@ -41,12 +41,12 @@ std::vector<std::byte> as_bytes(const std::vector<Number>& numbers) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Of own vertices: the sum of the cells around, from the least to the greatest, so that the order of the cells does not
-// count. Zero for others.
+// For own vertices, the sum over the cells around, from the least value to the greatest, so that the order of the cells
+// does not matter. Zero for other vertices.
 std::vector<double> stars_of(const TileMesh& mesh, const std::vector<double>& volumes) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   const auto is_own = [&](std::int32_t v) { return mesh.point_ghost[static_cast<std::size_t>(v)] == 0; };
-  // The cells around each vertex, by a counting sort.
+  // Collects the cells around each vertex by a counting sort.
   std::vector<std::uint32_t> first(mesh.points.size() + 1, 0);
   for (const std::int32_t v : mesh.cells) first[static_cast<std::size_t>(v) + 1] += is_own(v) ? 1 : 0;
   std::partial_sum(first.begin(), first.end(), first.begin());
@@ -126,7 +126,7 @@ Measured begin_of(const fs::path& out, const Manifest& manifest) {
   return measured;
 }
 
-// Whether the columns are there. Error usage when something else has their names.
+// True if the columns exist already. Error usage when something else has their names.
 Result<bool> is_measured(const fs::path& out, const Manifest& manifest, Measured& measured) {
   const auto column = [&](const std::string& name) {
     return std::find_if(manifest.columns.begin(), manifest.columns.end(),
@@ -167,7 +167,7 @@ std::vector<ResultColumn> columns_of(const Measured& measured, const MeasureOpti
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
   if (!options.volume)
     return error(Errc::usage, "nothing is to be measured; " + option("volume", "true") + " measures cells");
-  // Also when the columns are there: then this removes what a writer that was ended has left, and older versions.
+  // Also when the columns exist: this removes what an ended writer has left, and older versions.
   BOOST_OUTCOME_TRY(next, NewVersion::begin(out));
   const TileSource& source = next->source();
   Measured measured = begin_of(out, source.manifest());
@@ -178,7 +178,7 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
   std::vector<PassColumn> passed;
   for (const auto& column : columns) passed.push_back({column.of_cells, {column.name, column.type}});
   Volumes volumes(source, stop);
-  // As a mesh, and the cells around vertices.
+  // A tile as a mesh, and the cells around its vertices.
   Pass pass(source, passed, next->scratch(),
             {.threads = options.threads,
              .memory_bytes = options.memory_bytes,

@@ -37,7 +37,7 @@ class ToStandardOutput : public Answers {
   }
 };
 
-// NumPy's header tells the number of rows, which is known last: it is written at the end, where it was left out.
+// NumPy's header has the number of rows, which is known last. Its place is left out and filled at the end.
 constexpr std::size_t header_bytes = 128;
 
 class ToFile : public Answers {

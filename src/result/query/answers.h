@@ -1,4 +1,4 @@
-// The answers to many questions, as CSV, JSON lines or a NumPy array; to a file, standard output or memory.
+// Writes the answers to many questions as CSV, JSON lines or a NumPy array, to a file, standard output or memory.
 #pragma once
 
 #include <cstdint>
@@ -17,37 +17,37 @@ namespace tessera {
 
 enum class AnswerFormat : std::uint8_t { csv, json, npy };
 
-// By --format: csv, json or npy; else by the file's ending. Error usage.
+// The format named by --format (csv, json or npy), or else by the file's ending. Error usage.
 Result<AnswerFormat> answer_format(const std::string& name, const std::filesystem::path& target, bool json);
 
 struct AnswerOptions {
-  bool values = false;  // of interpolate; else cells, of locate
+  bool values = false;  // values of interpolate(); else cells of locate()
   AnswerFormat format = AnswerFormat::csv;
   int dimension = 3;
   std::filesystem::path target = {};  // empty: standard output
   bool overwrite = false;
-  bool weights = false;  // of values: which vertices, and how much of each
-  bool final = false;    // of a part: also whether each is that of the whole triangulation; in arrays a column more
+  bool weights = false;  // with values: also vertices and their weights
+  bool final = false;    // for a region: also whether each holds in the whole triangulation; a column in arrays
 };
 
-// A file appears whole, at the end, or not at all. In CSV what is not there is empty; in arrays it is -1 or NaN; in
-// JSON null.
+// Writes answers one after the other. A file appears only when it is complete. A missing value is empty in CSV, -1 or
+// NaN in arrays, and null in JSON.
 class Answers {
  public:
-  // Errors: usage when the file exists, an array would go to standard output, or weights into an array; io.
+  // Errors: usage when the file exists, when an array would go to standard output, or for weights in an array; io.
   static Result<std::unique_ptr<Answers>> open(const AnswerOptions& options);
   virtual ~Answers() = default;
 
-  // x,y[,z],tile,cell,v0,...; as array i8 n x (tile, cell, v0, ...).
+  // Rows x,y[,z],tile,cell,v0,...; as an array i8 n x (tile, cell, v0, ...).
   Status add_cells(std::span<const Point> points, std::span<const query::Cell> cells);
-  // x,y[,z],value[,vertices,weights]; as array f8 n.
+  // Rows x,y[,z],value[,vertices,weights]; as an array f8 n.
   Status add_values(std::span<const Point> points, std::span<const query::Interpolated> values);
-  // Nothing is left of the file without this call.
+  // Completes the file. Without this call nothing is left of it.
   virtual Status finish() = 0;
 
  protected:
   explicit Answers(const AnswerOptions& options) : options_(options) {}
-  // What stands before an array of so many bytes.
+  // The header of an array with `bytes` bytes of data.
   std::string array_head(std::uint64_t bytes) const;
   const AnswerOptions& options() const { return options_; }
 
@@ -65,13 +65,13 @@ class Answers {
   bool begun_ = false;
 };
 
-// In memory, for a program that asks for few at a time.
+// Collects answers in memory, for a program that asks for a few at a time.
 class TextAnswers final : public Answers {
  public:
   // Error usage for weights in an array.
   static Result<std::unique_ptr<TextAnswers>> make(const AnswerOptions& options);
   Status finish() override;
-  // All of it. REQUIRES: it is finished.
+  // Returns the whole text. REQUIRES: finish() was called.
   std::string take() { return std::move(text_); }
 
  private:
@@ -80,7 +80,7 @@ class TextAnswers final : public Answers {
   std::string text_;
 };
 
-// The shortest digits that read back as the same number; "null" for what JSON cannot say.
+// Appends the shortest digits that are read back as the same number; "null" for what JSON cannot express.
 void add_number(std::string& to, double number);
 
 }  // namespace tessera

@@ -12,7 +12,7 @@
 namespace tessera::query {
 namespace {
 
-// Whether a line or plane through a facet of the cell has all of the box strictly on its other side.
+// True if a line or plane through a facet of the cell has the whole box strictly on the other side.
 bool facet_separates(std::span<const Point> cell, const Bounds& box) {
   const std::size_t corners = cell.size(), d = corners - 1;
   std::array<Point, 4> p;
@@ -32,9 +32,9 @@ bool facet_separates(std::span<const Point> cell, const Bounds& box) {
   return false;
 }
 
-// The same for planes through an edge of the tetrahedron and along an edge of the box, which is an axis: in the
-// projection along it, a line through two vertices that has the others on one side, or on it, and the rectangle
-// strictly on the other.
+// The same for planes through an edge of the tetrahedron and parallel to an edge of the box, which is parallel to an
+// axis. In the projection along the axis, this is a line through two vertices that has the others on one side, or on
+// the line, and the rectangle strictly on the other side.
 bool edges_separate(std::span<const Point> cell, const Bounds& box) {
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -63,7 +63,7 @@ bool on_segment(const Point& p, const Point& a, const Point& b) {
          std::min(a.y, b.y) <= p.y && p.y <= std::max(a.y, b.y);
 }
 
-// Closed ones, which may be points.
+// Decides for closed segments, which may be points.
 bool segments_meet(const Point& a, const Point& b, const Point& c, const Point& d) {
   if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
       std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
@@ -74,13 +74,13 @@ bool segments_meet(const Point& a, const Point& b, const Point& c, const Point& 
   return on_segment(c, a, b) || on_segment(d, a, b) || on_segment(a, c, d) || on_segment(b, c, d);
 }
 
-// Strictly inside a triangle of any orientation; a flat one has no inside.
+// True if p is strictly inside the triangle, whatever its orientation; a flat triangle has no inside.
 bool inside_triangle(const Point& p, const Point& a, const Point& b, const Point& c) {
   const int side = exact::orientation_2(a, b, p);
   return side != 0 && side == exact::orientation_2(b, c, p) && side == exact::orientation_2(c, a, p);
 }
 
-// How many strips an edge of a polygon meets, at most on average.
+// The most strips that an edge of a polygon meets on average.
 constexpr std::uint64_t met_of_edge = 8;
 
 Status check_edges(const std::vector<std::vector<Point>>& rings) {
@@ -93,7 +93,7 @@ Status check_edges(const std::vector<std::vector<Point>>& rings) {
 
 }  // namespace
 
-// Two convex sets of the plane are apart if and only if a line along a side of one of them separates them.
+// Two convex sets in the plane are disjoint if and only if a line along a side of one of them separates them.
 bool meets(std::span<const Point> cell, const Leg& leg) {
   int left = 0, right = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -144,8 +144,8 @@ Polygon::Polygon(std::vector<std::vector<Point>> rings) {
       edges_.push_back(edge);
     }
   }
-  // Edges that are long in y meet many strips. There are as few strips as make this a few for each edge on average: of
-  // edges that are all as high as the polygon nothing could be told apart by y anyway.
+  // Edges that are long in y meet many strips. The number of strips is reduced until an edge meets only a few on
+  // average. If all edges are as high as the polygon, y does not tell them apart anyway.
   const std::uint64_t met_max = edges_.size() * met_of_edge;
   std::size_t strips = std::clamp<std::size_t>(edges_.size() / 4, 1, 4096);
   while (index_strips(strips) > met_max) strips /= 2;
@@ -155,10 +155,11 @@ Polygon::Polygon(std::vector<std::vector<Point>> rings) {
     for (std::size_t s = strip(edges_[i].a.y); s <= strip(edges_[i].b.y); ++s) met_[next[s]++] = i;
 }
 
-// Sets where the edges of each of so many strips begin; how many they are in all.
+// Sets where the edges of each of so many strips begin. Returns the number of entries in all strips.
 std::uint64_t Polygon::index_strips(std::size_t strips) {
   begin_.assign(strips + 1, 0);
-  // First by how much more edges a strip has than the one before; one that begins in it counts, one that has ended not.
+  // First, the change of the number of edges from one strip to the next: plus one where an edge begins, minus one after
+  // it ends.
   std::vector<std::int64_t> change(strips + 1);
   for (const Edge& edge : edges_) {
     ++change[strip(edge.a.y)];
@@ -175,7 +176,7 @@ std::uint64_t Polygon::index_strips(std::size_t strips) {
   return sum;
 }
 
-// Rounding cannot harm: it never puts the lower of two numbers into the higher strip.
+// Rounding does no harm: it is monotone, so the lower of two numbers never gets the higher strip.
 std::size_t Polygon::strip(double y) const {
   const double part = (y - bounds_.lo.y) / (bounds_.hi.y - bounds_.lo.y) * static_cast<double>(strips());
   if (!(part > 0)) return 0;
@@ -188,7 +189,7 @@ bool Polygon::contains(const Point& p) const {
   for (const std::uint32_t i : edges_in(strip(p.y))) {
     const Edge& edge = edges_[i];
     if (on_segment(p, edge.a, edge.b)) return true;
-    // Half-open in y, so that a ray through a vertex crosses one of its edges, or none or both.
+    // Half-open in y, so that a ray through a vertex crosses one of its two edges, or none, or both.
     if (edge.a.y <= p.y && p.y < edge.b.y && exact::orientation_2(edge.a, edge.b, p) > 0) inside = !inside;
   }
   return inside;
@@ -212,7 +213,7 @@ bool Polygon::meets_triangle(const Point& a, const Point& b, const Point& c) con
 bool Polygon::meets(std::span<const Point> cell) const {
   const auto flat = [&](std::size_t k) { return Point{cell[k].x, cell[k].y, 0}; };
   if (cell.size() == 3) return meets_triangle(flat(0), flat(1), flat(2));
-  // The projection of a tetrahedron is the union of those of its facets.
+  // The projection of a tetrahedron is the union of the projections of its facets.
   for (std::size_t k = 0; k < 4; ++k)
     if (meets_triangle(flat(k == 0 ? 3 : 0), flat(k == 1 ? 3 : 1), flat(k == 2 ? 3 : 2))) return true;
   return false;

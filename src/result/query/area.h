@@ -1,5 +1,5 @@
-// Where cells are asked for: a closed box, or in the plane a closed polygon, and whatever is above and below it, or a
-// line, or a plane of space.
+// The area of a query: a closed box; or a closed polygon in the plane with all that is above and below it; or a line in
+// the plane; or a plane in space.
 #pragma once
 
 #include <cstddef>
@@ -17,34 +17,35 @@
 
 namespace tessera::query {
 
-// Whether a cell, 3 points of the plane or 4 of space, and a closed box have a point in common: exact, by separating
-// axes. REQUIRES: the cell is positively oriented, the box finite, and its lo not above its hi.
+// Decides exactly, by separating axes, whether a cell (3 points in the plane or 4 in space) and a closed box have a
+// point in common. REQUIRES: the cell is positively oriented, the box is finite, and lo is not above hi.
 bool meets(std::span<const Point> cell, const Bounds& box);
 
-// A line from one point of the plane to another, or to itself; z = 0.
+// A line segment between two points of the plane, which may be equal; z = 0.
 struct Leg {
   Point from, to;
 };
-// The same for a triangle and the closed line.
+// The same for a triangle and a closed segment.
 bool meets(std::span<const Point> cell, const Leg& leg);
 
-// Rings with their insides, by the even-odd rule: holes are rings, too. Closed: rings belong to it.
+// A set of rings with their insides, by the even-odd rule: holes are rings, too. Closed: the rings belong to the
+// polygon.
 class Polygon {
  public:
-  // Each ring at least 3 vertices, the first not repeated, z = 0; fewer than 2^28 in all. Takes bytes_of_edge bytes for
-  // each vertex, whatever the polygon looks like.
+  // Each ring has at least 3 vertices, the first not repeated, with z = 0; there are fewer than 2^28 vertices in all.
+  // The polygon needs bytes_of_edge bytes for each vertex, whatever its shape.
   static constexpr std::uint64_t bytes_of_edge = 104;
   explicit Polygon(std::vector<std::vector<Point>> rings);
-  // The polygons of a GeoJSON file (a geometry, a feature, or a collection of them; Polygon and MultiPolygon), with
-  // coordinates as they are. Errors: io; bad_input that names the file and the place; of the thread's ledger, when
-  // its memory has no room for the edges.
+  // Reads the polygons of a GeoJSON file (a geometry, a feature, or a collection of them; Polygon and MultiPolygon),
+  // with unchanged coordinates. Errors: io; bad_input with file and place; those of the thread's ledger, when it has no
+  // memory left for the edges.
   static Result<Polygon> read_geojson(const std::filesystem::path& path);
-  // The same of the text of such a file; `name`: what errors call it.
+  // The same for the text of such a file; errors name it `name`.
   static Result<Polygon> of_geojson(std::string_view text, const std::string& name);
 
   const Bounds& bounds() const { return bounds_; }
   const GeoJsonPlace& place() const { return place_; }  // of a file
-  // Exact. Of a cell of space it is the projection that counts.
+  // Exact. For a cell in space, its projection to the plane is used.
   bool meets(std::span<const Point> cell) const;
 
  private:
@@ -65,15 +66,15 @@ class Polygon {
   GeoJsonPlace place_;
   Bounds bounds_;
   std::vector<Edge> edges_;
-  // Strips of y, and the edges that meet each of them: those of strip s are met_[begin_[s]] up to met_[begin_[s + 1]].
+  // Strips of y, and the edges that meet each strip: those of strip s are met_[begin_[s]] up to met_[begin_[s + 1]].
   std::vector<std::uint32_t> met_, begin_;
 };
 
-// A plane of space.
+// A plane in space.
 struct Plane {
-  Point at, normal;  // a point of it; the normal has length 1, but for rounding
-  // How far it is above the plane, rounded: a function of the point alone, so that all cells with a vertex agree on
-  // which side it is.
+  Point at, normal;  // a point of the plane; the normal has length 1, up to rounding
+  // The distance above the plane, rounded. Depends on the point alone, so all cells with the same vertex agree on the
+  // side of the vertex.
   double above(const Point& p) const {
     return normal.x * (p.x - at.x) + normal.y * (p.y - at.y) + normal.z * (p.z - at.z);
   }
@@ -81,12 +82,12 @@ struct Plane {
 
 struct Area {
   Bounds box;                           // closed; sides may be infinite
-  std::optional<Polygon> polygon = {};  // whose bounds in x and y the box is
-  std::optional<Leg> leg = {};          // of 2D results, likewise
-  // Of 3D results: cells that meet the box, and have vertices on both sides of the plane or as near to it as rounding
-  // is: all that meet the plane inside the box, and it may be others beside them.
+  std::optional<Polygon> polygon = {};  // the box has its bounds in x and y
+  std::optional<Leg> leg = {};          // for 2D results; the box has its bounds, too
+  // For 3D results: cells that meet the box and have vertices on both sides of the plane, or within rounding of it.
+  // These are all cells that meet the plane inside the box, and perhaps others.
   std::optional<Plane> plane = {};
-  // Cells with a longer edge are left out: in the plane in 2D.
+  // Cells with a longer edge, in 2D measured in the plane, are left out.
   std::optional<double> max_edge = {};
 };
 

@@ -1,4 +1,4 @@
-// Many points at once: by tile, along a curve, by several threads.
+// Locates many points at once: by tile, along a curve, on several threads.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +12,19 @@
 namespace tessera::query {
 
 struct Batch {
-  std::span<const Point> points;  // finite, in 2D with z = 0
+  std::span<const Point> points;  // finite; in 2D with z = 0
   unsigned threads = 1;
   bool with_rows = false;
   std::stop_token stop = {};
 };
 
-// Is told where points[i] is. Called by several threads, for different points; what it finds by the walker is pinned
-// until it returns.
+// Called with the location of points[i], by several threads for different points. Tiles that the walker finds are
+// pinned until the call returns.
 using VisitLocated = std::function<Status(Walker& walker, std::size_t i, const Located& located)>;
 
-// Locates all points and tells `visit` of each, in any order: those of a tile together, along a Hilbert curve, so that
-// with a small cache a tile is read but once, and one answer is near the next. Errors: of reading; of `visit`;
-// interrupted.
+// Locates all points, and calls `visit` for each, in any order. Points of a tile are located together, along a Hilbert
+// curve: so even with a small cache a tile is read only once, and each answer is near the one before. Errors: those of
+// reading and of `visit`; interrupted.
 Status locate_all(TileCache& cache, const Manifest& manifest, const Homes& homes, const Batch& batch,
                   const VisitLocated& visit);
 

@@ -17,7 +17,7 @@
 namespace tessera::query {
 namespace {
 
-// Copies cells out of tiles, and of their vertices each once.
+// Copies cells out of tiles, and each of their vertices once.
 class Collector {
  public:
   Collector(const Manifest& manifest, std::size_t cells) : row_bytes_(tessera::row_bytes(manifest.schema)) {
@@ -60,7 +60,7 @@ TileId first_owner(const QueryTile& tile, std::int32_t cell, std::size_t k) {
   return first;
 }
 
-// The bit of the facet opposite corner k, by the order of corners that the cell has in its main tile.
+// The bit of the facet opposite corner k, in the order of corners that the cell has in its main tile.
 unsigned facet_bit(const QueryTile& main, std::int32_t main_cell, const QueryTile& tile, std::int32_t cell,
                    std::size_t k) {
   const PointId opposite = tile.id_of(tile.vertex(cell, k));
@@ -69,13 +69,14 @@ unsigned facet_bit(const QueryTile& main, std::int32_t main_cell, const QueryTil
   return 0;
 }
 
-// How many cells there are of which longest edge, in steps of a thirty-second of an octave: however many there are.
+// Counts cells by their longest edge, in steps of a thirty-second of an octave, so the memory does not depend on the
+// number of cells.
 class Lengths {
  public:
   void add(double length) {
     if (length > 0 && std::isfinite(length)) ++steps_[static_cast<int>(std::ceil(std::log2(length) * steps_of_octave))];
   }
-  // Every hundredth of them, ascending.
+  // The percentiles of the lengths, ascending.
   std::vector<double> parts() const {
     std::uint64_t all = 0, before = 0;
     for (const auto& [step, count] : steps_) all += count;
@@ -93,7 +94,7 @@ class Lengths {
   std::map<int, std::uint64_t> steps_;
 };
 
-// Of each cell of a tile, whether it has no longer edge; main ones are counted.
+// For each cell of a tile, true if it has no longer edge. Counts the main cells.
 std::vector<bool> kept_of(const QueryTile& tile, std::optional<double> max_edge, Lengths& lengths) {
   const TileMesh& mesh = tile.mesh();
   std::vector<bool> kept(mesh.cell_ghost.size());
@@ -105,11 +106,11 @@ std::vector<bool> kept_of(const QueryTile& tile, std::optional<double> max_edge,
   return kept;
 }
 
-// How many cells an answer may have.
+// The number of cells that an answer may have.
 struct Room {
   Room(const CellLimits& limits, const Manifest& manifest)
       : limits(limits),
-        // A cell with its corners, neighbours and tile, and most likely one vertex or less with its attributes.
+        // A cell with its corners, neighbours and tile, and with at most about one vertex with its attributes.
         fit(limits.bytes_max / (68 + sizeof(Point) + 40 + tessera::row_bytes(manifest.schema))),
         most(std::min(limits.cells_max, fit)) {}
 
@@ -156,7 +157,7 @@ Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskO
   const Manifest& manifest = impl_->manifest;
   const Room room(limits, manifest);
   Walker walker(impl_->cache, manifest, !manifest.schema.empty());
-  std::map<TileId, std::map<std::int32_t, std::uint8_t>> found;  // bits of facets by main tile and place in it
+  std::map<TileId, std::map<std::int32_t, std::uint8_t>> found;  // bits of facets, by main tile and index
   std::uint64_t count = 0;
   Lengths lengths;
   for (const TileEntry& entry : manifest.tiles) {
@@ -169,7 +170,8 @@ Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskO
       for (std::size_t k = 0; k < tile->corners(); ++k) {
         const std::int32_t beyond = tile->neighbor(cell, k);
         if (beyond >= 0 && kept[static_cast<std::size_t>(beyond)]) continue;
-        // What is beyond a facet a tile knows when it owns a vertex of it: of several the first one tells.
+        // A tile knows what is beyond a facet when it owns a vertex of the facet. Of several such tiles the lowest
+        // reports it.
         if (first_owner(*tile, cell, k) != tile->id()) continue;
         BOOST_OUTCOME_TRY(main, walker.main_place({tile, cell}));
         auto& facets = found[main.tile->id()][main.cell];

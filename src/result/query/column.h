@@ -1,4 +1,4 @@
-// Where in a vertex's attributes a value is.
+// The place of a value in a vertex's attributes.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,8 @@ namespace tessera::query {
 
 using Column = RowColumn;
 
-// Error usage when vertices of the result in `out` have no attribute of this name. "z": the heights of a 2D result.
+// Error usage when the vertices of the result in `out` have no attribute of this name. "z" has the heights of a 2D
+// result.
 Result<Column> find_column(const std::filesystem::path& out, const Manifest& manifest, const std::string& name);
 
 }  // namespace tessera::query

@@ -1,11 +1,11 @@
-// Circumcentres, and what a Voronoi edge adds to the cells around it: the one sum from which the volumes of Voronoi
-// cells and of parts of them are made.
+// Circumcentres, and what a Voronoi edge contributes to the cells around it. The volumes of Voronoi cells and of their
+// parts are sums of these contributions.
 //
-// A cell's volume is that of the pyramids over its faces, with the vertex as apex; a face's area vector is half the sum
-// of P x P' over its edges. The edge from P to P' is dual to a Delaunay facet and lies in one face for each edge of the
-// facet. Gathered by vertex: of the facet (t0, t1, t2), from whose positive side P leads to P', t0 gets
-// (P x P') . (t2 - t1) / 12, and so on in turn. In 2D, of the edge (t0, t1), t1 gets P x P' / 2 and t0 the opposite.
-// The origin cancels out.
+// The volume of a Voronoi cell is that of the pyramids over its faces with the vertex as apex. A face's area vector is
+// half the sum of P x P' over its edges. The edge from P to P' is dual to a Delaunay facet, and belongs to one face for
+// each edge of this facet. Collected by vertex: for the facet (t0, t1, t2), from whose positive side P the edge leads
+// to P', t0 gets (P x P') . (t2 - t1) / 12, and t1 and t2 likewise in turn. In 2D, for the edge (t0, t1), t1 gets P x
+// P' / 2 and t0 the opposite. The origin cancels out.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@
 
 namespace tessera::query {
 
-// What is left of products of three differences may be nothing in flat cells. Long is fast; Wide is exact for products
-// of four differences of coordinates that have some 120 bits, and takes a hundred times as long.
+// In flat cells nothing may be left of products of three differences. Long is fast. Wide is exact for products of four
+// differences of coordinates with some 120 bits, and takes a hundred times as long.
 using Long = long double;
 using Wide =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<512, boost::multiprecision::digit_base_2>,
@@ -52,15 +52,15 @@ bool usable(const Number& divisor) {
 inline long double rounded(Long number) { return number; }
 inline long double rounded(const Wide& number) { return number.convert_to<long double>(); }
 
-// The corners of the facet opposite corner k, in such an order that with corner k behind them they are an even
-// permutation: positive as the cell is.
+// The corners of the facet opposite corner k, in such an order that with corner k after them they are an even
+// permutation of the cell's corners: so they have the cell's orientation.
 inline constexpr std::size_t facet_3[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
 inline constexpr std::size_t facet_2[3][2] = {{1, 2}, {2, 0}, {0, 1}};
 constexpr std::size_t facet_corner(std::size_t corners, std::size_t k, std::size_t i) {
   return corners == 4 ? facet_3[k][i] : facet_2[k][i];
 }
 
-// Of 3 points with z = 0, or 4; none when they are flat.
+// The circumcentre of 3 points with z = 0, or of 4 points; nothing when they are flat.
 template <class Number>
 std::optional<Vec<Number>> circumcentre(std::span<const Vec<Number>> cell) {
   const Vec<Number> b = cell[1] - cell[0], c = cell[2] - cell[0];
@@ -75,8 +75,8 @@ std::optional<Vec<Number>> circumcentre(std::span<const Vec<Number>> cell) {
   return cell[0] + (1 / volume) * (dot(b, b) * cross(c, d) + dot(c, c) * cross(d, b) + dot(d, d) * cross(b, c));
 }
 
-// What each of the facet's 2 or 3 vertices gets of the Voronoi edge from `from` to `to`, which crosses the facet from
-// its positive side on.
+// The contributions to the facet's 2 or 3 vertices of the Voronoi edge from `from` to `to`. The edge crosses the facet
+// from its positive side.
 template <class Number>
 std::array<Number, 3> edge_shares(std::span<const Vec<Number>> facet, const Vec<Number>& from, const Vec<Number>& to) {
   const Vec<Number> turn = cross(from, to);

@@ -23,7 +23,7 @@ class Collection {
   explicit Collection(GeoJson kind)
       : polygons_(kind == GeoJson::polygons), single_(polygons_ ? "Polygon" : "LineString") {}
 
-  // `place` is where `object` stands.
+  // `place` names the position of `object` in the document.
   Status add(const json& object, const std::string& place, int depth = 0) {
     if (depth > depth_max) return bad(place, "is too deep inside other collections");
     const auto type = object.is_object() ? object.find("type") : object.end();
@@ -97,7 +97,8 @@ class Collection {
   std::vector<std::vector<Point>> found_;
 };
 
-// The member `crs` of the specification of 2008, which GDAL and QGIS write, too. Empty when it is none of a name.
+// The name in the member `crs` of the specification of 2008, which GDAL and QGIS still write. Empty when there is no
+// name.
 std::string named_crs(const json& document) {
   const auto crs = document.find("crs");
   if (crs == document.end() || !crs->is_object()) return {};
@@ -118,7 +119,7 @@ Status GeoJsonPlace::check_in(const std::string& there, const Bounds& points) co
   if (surely_other_crs(crs, there))
     return refuse("its coordinates are those of " + crs_title(crs) + ", and the points have those of " +
                   crs_title(there));
-  constexpr double near = 1000;  // farther from 0 there are no degrees, nor a place that was measured from a corner
+  constexpr double near = 1000;  // farther from 0 there are no degrees, and no local coordinates measured from a corner
   const bool degrees = bounds.lo.x >= -180 && bounds.hi.x <= 180 && bounds.lo.y >= -90 && bounds.hi.y <= 90;
   if (!degrees || (points.lo.x <= near && points.hi.x >= -near && points.lo.y <= near && points.hi.y >= -near))
     return success();

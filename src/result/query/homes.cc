@@ -14,7 +14,7 @@ Result<Homes> Homes::of(const std::filesystem::path& out, const Manifest& manife
   homes.partition_ = std::move(partition).value();
   if (manifest.tiles.empty()) return refused("has no tile with points");
   homes.stand_in_.resize(homes.partition_.tiles());
-  // Numbers of tiles follow the tree of splits: what is near by number is near in space.
+  // Tiles are numbered along the tree of splits, so tiles with near numbers are near in space.
   std::size_t next = 0;
   for (std::uint32_t t = 0; t < homes.stand_in_.size(); ++t) {
     while (next + 1 < manifest.tiles.size() && manifest.tiles[next].tile.value < t) ++next;

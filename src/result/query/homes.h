@@ -1,4 +1,4 @@
-// In which tile to look for a point first.
+// Finds the tile in which the search for a point begins.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ namespace tessera::query {
 
 class Homes {
  public:
-  // Error corrupt: the partition is damaged, or has no tile with points.
+  // Error corrupt when the partition is damaged or has no tile with points.
   static Result<Homes> of(const std::filesystem::path& out, const Manifest& manifest);
-  // A tile with points: the one whose box has q, or one not far when that is empty.
+  // A tile with points: the tile whose box contains q, or a nearby one when that tile is empty.
   TileId operator()(const Point& q) const { return stand_in_[partition_.tile_of(q).value]; }
 
  private:
   Partition partition_;
-  std::vector<TileId> stand_in_;  // by tile: itself when it has points
+  std::vector<TileId> stand_in_;  // by tile: the tile itself when it has points
 };
 
 }  // namespace tessera::query

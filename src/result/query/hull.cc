@@ -30,7 +30,7 @@ void make_hull(std::vector<Point>& points) {
   points = std::move(hull);
 }
 
-// Whether the closed hull has all of the box.
+// True if the closed hull contains the box.
 bool covers(const std::vector<Point>& hull, const Bounds& box) {
   if (hull.size() < 3) return false;
   for (const Point& corner : {Point{box.lo.x, box.lo.y, 0}, Point{box.hi.x, box.lo.y, 0}, Point{box.hi.x, box.hi.y, 0},
@@ -55,7 +55,7 @@ Bounds box_of(const Manifest& manifest, TileId tile) {
 
 Result<std::vector<Point>> hull_of(const TileSource& source, const std::stop_token& stop) {
   const Manifest& manifest = source.manifest();
-  // Those that reach the border of all first: what they hold spares most of the others.
+  // Tiles that reach the border of the whole come first, because their points make most other tiles unnecessary.
   std::vector<std::pair<int, std::size_t>> order;
   for (std::size_t i = 0; i < source.tiles(); ++i) {
     const Bounds box = box_of(manifest, source.entry(i).tile);

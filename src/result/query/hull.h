@@ -10,11 +10,12 @@
 
 namespace tessera::query {
 
-// Counterclockwise from the least corner on, none on the line between its neighbours: exact. Of a 3D result that of its
-// projection. z is 0. Only tiles that may hold a corner are read. Errors: of reading; interrupted.
+// Returns the corners counterclockwise from the least one on, without corners on the line between their neighbours.
+// Exact. For a 3D result, the hull of its projection. z is 0. Reads only tiles that may have a corner. Errors: those of
+// reading; interrupted.
 Result<std::vector<Point>> hull_of(const TileSource& source, const std::stop_token& stop);
 
-// The part of space that is the tile's, within the bounds of all vertices.
+// The tile's box, within the bounds of all vertices.
 Bounds box_of(const Manifest& manifest, TileId tile);
 
 }  // namespace tessera::query

@@ -1,4 +1,4 @@
-// What a StoredTriangulation consists of.
+// The state of a StoredTriangulation.
 #pragma once
 
 #include <filesystem>
@@ -30,20 +30,20 @@ struct StoredTriangulation::Impl {
   const Manifest& manifest;          // its manifest
   Homes homes;
   mutable TileCache cache;
-  // Of a part of a triangulation; made when it is first asked.
+  // The cells of a region; made when first asked for.
   mutable std::mutex tree_mutex;
   mutable std::unique_ptr<const CellTree> tree;
   Result<const CellTree*> part_tree() const;
-  // locate_all() and search(), of either kind.
+  // locate_all() and search() for a whole triangulation or a region.
   Status locate(const Batch& batch, const VisitLocated& visit) const;
   Result<Found> find(Walker& walker, const Area& area, std::uint64_t cells_max, const std::stop_token& stop) const;
 
-  // By the manifest's tiles: the least and the greatest source index of their own vertices, once they were read.
+  // By tile of the manifest: the least and the greatest source index of the tile's own vertices, once they were read.
   mutable std::mutex id_mutex;
   mutable std::vector<std::optional<std::pair<PointId, PointId>>> id_ranges;
 
-  // The tile whose own vertex this is. Nothing says it but the tiles: their lists of indices are read until it is
-  // found.
+  // Returns the tile that owns this vertex. Only the tiles' lists of source indices tell, so they are read until the
+  // vertex is found.
   Result<std::optional<TileId>> owner_of(PointId id, const std::stop_token& stop) const;
 };
 

@@ -28,7 +28,7 @@ Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<con
       BOOST_OUTCOME_TRY(natural, natural_weights(walker, located, points[i]));
       weights = std::move(natural);
       answer.final = answer.final && !walker.met_unknown() && !walker.met_unsure();
-      if (walker.met_unknown()) {  // its natural neighbours are not all here
+      if (walker.met_unknown()) {  // some of its natural neighbours are unknown
         answer.value = std::numeric_limits<double>::quiet_NaN();
         return success();
       }
@@ -36,7 +36,7 @@ Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<con
     if (weights.empty()) weights = linear_weights(located, points[i]);
     long double value = 0;
     for (const Weight& weight : weights) {
-      if (weight.weight == 0) continue;  // whatever the value, it does not count; it may be NaN
+      if (weight.weight == 0) continue;  // the value does not count, and may be NaN
       value += weight.weight * column.value(weight.tile->row(weight.vertex));
       if (!what.weights) continue;
       answer.vertices.push_back(weight.id());

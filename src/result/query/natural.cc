@@ -18,16 +18,16 @@ namespace {
 template <class Number>
 using Corners = std::array<Vec<Number>, 4>;
 
-// What the weights of a point are summed from. Positions are relative to the point.
+// Collects the sums for the weights of a point. Positions are relative to the point.
 template <class Number>
 class Sibson {
  public:
   Sibson(Walker& walker, const Point& q, std::size_t corners) : walker_(walker), q_(q), n_(corners) {}
 
-  // False: q is on the hull.
+  // Returns false when q is on the hull.
   Result<bool> gather(Place first) {
     BOOST_OUTCOME_TRY(added, look_at(first));
-    if (added < 0) return lost_;  // else only a damaged result has it so
+    if (added < 0) return lost_;  // otherwise only a damaged result gets here
     for (std::size_t z = 0; z < zone_.size(); ++z) {
       for (std::size_t k = 0; k < n_; ++k) {
         BOOST_OUTCOME_TRY(beyond, walker_.across(zone_[z].place, k));
@@ -37,7 +37,7 @@ class Sibson {
           other = found;
         }
         if (other >= 0) {
-          // Seen from both sides.
+          // Each edge is seen from both sides.
           add(facet_of(z, k), zone_[z].centre, zone_[static_cast<std::size_t>(other)].centre, Number(0.5));
         } else if (!add_border(z, k)) {
           return false;
@@ -48,7 +48,7 @@ class Sibson {
     return true;
   }
 
-  // Empty when rounding has spoilt them.
+  // Empty when rounding has spoilt the weights.
   std::vector<Weight> weights() {
     std::sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.of.id() < b.of.id(); });
     std::vector<Share> sums;
@@ -63,7 +63,7 @@ class Sibson {
     }
     std::vector<Weight> weights;
     if (lost_ || !usable(all)) return weights;
-    // Relative to q, so they add up to nothing, but for what was lost.
+    // Positions are relative to q, so the weighted sum is zero, up to rounding.
     Vec<Long> missed;
     bool good = true;
     for (const Share& sum : sums) {
@@ -82,7 +82,7 @@ class Sibson {
  private:
   static constexpr Long tolerance = 1e-10L;
 
-  // A cell is too flat for these numbers.
+  // A cell is too flat for numbers of this precision.
   int lost() {
     lost_ = true;
     return -1;
@@ -93,7 +93,7 @@ class Sibson {
     Corners<Number> at;
     Vec<Number> centre;
   };
-  // Facet of a zone cell or of a new one; a corner without a tile is q.
+  // A facet of a zone cell or of a new cell; a corner without a tile is q.
   struct Facet {
     std::array<Weight, 3> of;
     std::array<Vec<Number>, 3> at;
@@ -105,10 +105,10 @@ class Sibson {
   };
   struct Border {
     Facet facet;
-    Vec<Number> centre;  // of q and the facet
+    Vec<Number> centre;  // of the sphere through q and the facet
   };
 
-  // The place in zone_, or -1: q is not inside its sphere.
+  // Returns the index in zone_, or -1 when q is not inside the sphere of the cell.
   Result<int> look_at(Place place) {
     const auto [entry, is_new] = seen_.emplace(place.tile->ids(place.cell), -1);
     if (!is_new) return entry->second;
@@ -145,7 +145,8 @@ class Sibson {
     }
   }
 
-  // The Voronoi edge across the facet ends where the facet and q have their sphere. False when q is in its plane.
+  // The Voronoi edge across the facet ends at the centre of the sphere through the facet and q. Returns false when q is
+  // in the plane of the facet.
   bool add_border(std::size_t z, std::size_t k) {
     Border border{.facet = facet_of(z, k), .centre = {}};
     std::array<Point, 3> p;
@@ -170,7 +171,8 @@ class Sibson {
     return true;
   }
 
-  // Edges of q's own Voronoi cell, between those spheres; what they bound is outside what the vertices lose.
+  // Adds the edges of q's own Voronoi cell, between these centres. The region that they bound is what the vertices
+  // lose.
   void add_new_edges() {
     using Ridge = std::array<PointId, 2>;  // all corners of a border facet but one, sorted
     std::map<Ridge, std::array<std::pair<int, std::size_t>, 2>> sides;
@@ -186,7 +188,7 @@ class Sibson {
       }
     }
     for (const auto& [ridge, both] : sides) {
-      if (count[ridge] != 2) continue;  // then rounding is not all that is wrong, and the sum will tell
+      if (count[ridge] != 2) continue;  // then more than rounding is wrong, and the sum will show it
       for (std::size_t s = 0; s < 2; ++s) {
         const Border& here = borders_[static_cast<std::size_t>(both[s].first)];
         const Border& there = borders_[static_cast<std::size_t>(both[1 - s].first)];
@@ -210,10 +212,11 @@ class Sibson {
   std::vector<Border> borders_;
   std::vector<Share> shares_;
   bool lost_ = false;
-  Long shortest_ = std::numeric_limits<Long>::infinity();  // edge among neighbours, or between one and q
+  Long shortest_ = std::numeric_limits<Long>::infinity();  // edge between neighbours, or between a neighbour and q
 };
 
-// Barycentric, not yet divided by their sum: volumes, and twice areas. False when too little is left of them.
+// Barycentric coordinates that are not yet divided by their sum: volumes, or areas times two. Returns false when
+// rounding leaves too little of them.
 template <class Number>
 bool barycentric(const Located& located, const Point& q, std::array<Number, 4>& parts) {
   const QueryTile& tile = *located.place.tile;
@@ -256,7 +259,7 @@ std::vector<Weight> linear_weights(const Located& located, const Point& q) {
     for (std::size_t k = 0; k < n; ++k) weights[k].weight = rounded(parts[k]);
     return weights;
   }
-  // It has no volume, as only a damaged one has, or it is beyond all numbers: the nearest vertex.
+  // The cell has no volume, as only a damaged one has, or its volume is out of range: takes the nearest vertex.
   const auto distance = [&](const Weight& weight) {
     const Point& p = tile.point(weight.vertex);
     return std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);

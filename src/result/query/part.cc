@@ -13,7 +13,8 @@
 namespace tessera::query {
 namespace {
 
-// q at the place of each corner in turn, if the closed cell has it: bit k, it is on the facet opposite corner k.
+// Puts q in the place of each corner in turn. Returns a value if the closed cell contains q; bit k: q is on the facet
+// opposite corner k.
 std::optional<unsigned> facets_of(const QueryTile& tile, std::int32_t cell, const Point& q) {
   const std::size_t corners = tile.corners();
   std::array<Point, 4> p;
@@ -83,7 +84,7 @@ Located locate_in_part(const Manifest& manifest, const QueryTile& tile, const Ce
     first = ids;
     found = {{&tile, cell}, *on};
   });
-  // Inside of a cell there is no other; on its facets there may be one that is not here, and comes first.
+  // No other cell contains a point in the interior of a cell. On a facet, an unknown cell might come first.
   found.final = knows(manifest, {q, q}) || (found.place && found.on_facets == 0 && tile.is_final(found.place.cell));
   return found;
 }

@@ -1,5 +1,5 @@
-// Results that are a part of a triangulation: some cells of one tile, which are all that is known of the whole. There
-// is no walking from one to the other, which may be far apart: cells are found by a tree of their boxes.
+// Queries of a region: a result that has some cells of a triangulation, in one tile. These cells may not be connected,
+// so a walk does not reach all of them. A tree of their boxes finds them.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class CellTree {
  public:
   explicit CellTree(const QueryTile& tile);
 
-  // Calls visit(cell) for every cell whose box meets the closed one, and for others.
+  // Calls visit(cell) for every cell whose box meets the closed box `box`, and for some others.
   template <class Visit>
   void for_each_near(const Bounds& box, const Visit& visit) const {
     if (!levels_.empty()) descend(levels_.size() - 1, 0, box, visit);
@@ -46,10 +46,11 @@ class CellTree {
   std::vector<std::vector<Bounds>> levels_;  // boxes of leaves, of their groups, ... of all
 };
 
-// Whether all cells of the whole triangulation that meet the closed box are in the result. Also of a whole one.
+// Returns true if the result has all cells of the whole triangulation that meet the closed box. Also for results that
+// are no regions.
 bool knows(const Manifest& manifest, const Bounds& box);
 
-// As Walker::locate() finds it, with what is known: no place if no cell here has q.
+// As Walker::locate(), as far as the region knows: no place if none of its cells contains q.
 Located locate_in_part(const Manifest& manifest, const QueryTile& tile, const CellTree& tree, const Point& q);
 
 // As locate_all().

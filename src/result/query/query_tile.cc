@@ -13,7 +13,8 @@
 namespace tessera::query {
 namespace {
 
-// From the nearest sample it is a few steps. One in 60 takes a quarter more time, and this one and a third byte a cell.
+// The walk from the nearest sample has a few steps. One sample for 60 cells takes a quarter more time; this density
+// takes a third of a byte for each cell.
 constexpr std::size_t cells_a_sample = 12;
 
 Bounds bounds_of(const TileMesh& mesh) {
@@ -23,7 +24,7 @@ Bounds bounds_of(const TileMesh& mesh) {
   return bounds;
 }
 
-// For choosing what is nearer; infinite differences only make a bad choice.
+// Used only to choose what is nearer. Infinite differences only make a bad choice.
 double squared_distance(const Point& p, const Point& q) {
   const double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
   return x * x + y * y + z * z;
@@ -38,7 +39,7 @@ Result<std::shared_ptr<const QueryTile>> QueryTile::load(const TileSource& sourc
     if (stored.mesh.cell_ghost.empty()) return error(Errc::corrupt, path.string() + ": has vertices, but no cells");
     if (stored.mesh.neighbors.empty()) {
       BOOST_OUTCOME_TRYV(match_facets(stored.mesh, path));
-      // Of a part nothing says which facets are on the hull.
+      // In a region the tile does not tell which facets are on the hull.
       if (source.manifest().region)
         for (auto& neighbor : stored.mesh.neighbors) neighbor = neighbor < 0 ? -2 : neighbor;
     }
@@ -87,7 +88,7 @@ std::int32_t QueryTile::start(const Point& q, std::uint64_t key, std::size_t& fr
   const auto distance = [&](std::size_t sample) {
     return squared_distance(q, point(vertex(samples_[sample].second, 0)));
   };
-  // In steps that double: the next key is near, or it is the first.
+  // In steps that double, because the next key is mostly near, and the first may be anywhere.
   std::size_t step = 1, end = from;
   while (end < samples_.size() && samples_[end].first < key) {
     from = end;
@@ -114,13 +115,13 @@ std::int32_t QueryTile::own_vertex(PointId id) const {
   return found != by_id_.end() && id_of(*found) == id ? *found : -1;
 }
 
-// Through facets that have the vertex: the tile holds all of its cells, and they are connected so.
+// Goes through facets that have the vertex. The tile has all cells of the vertex, and they are connected in this way.
 Result<std::vector<std::int32_t>> QueryTile::around(std::int32_t own_vertex) const {
   std::vector<std::int32_t> star;
   const std::int32_t first = cell_of_[static_cast<std::size_t>(own_vertex)];
   if (first < 0)
     return error(Errc::corrupt, path_.string() + ": vertex " + to_string(id_of(own_vertex)) + " has no cell");
-  constexpr std::size_t few = 48;  // to be searched one by one
+  constexpr std::size_t few = 48;  // few enough to search one by one
   std::unordered_set<std::int32_t> seen;
   const auto is_new = [&](std::int32_t cell) {
     if (star.size() < few) return std::find(star.begin(), star.end(), cell) == star.end();

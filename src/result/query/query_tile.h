@@ -1,4 +1,4 @@
-// A tile of a result in memory, with what questions need: where a walk begins, and the cells around a vertex.
+// A tile of a result in memory, with what queries need: where a walk begins, and the cells around a vertex.
 #pragma once
 
 #include <array>
@@ -17,16 +17,15 @@
 
 namespace tessera::query {
 
-// The vertices of a cell by their source indices, sorted: the same in every tile that holds it. In 2D the last one is
-// no_id.
+// The source indices of a cell's vertices, sorted: the same in every tile that has the cell. In 2D the last is no_id.
 using CellIds = std::array<PointId, 4>;
 inline constexpr PointId no_id{~std::uint64_t{0}};
 
-// Constant once loaded, so several threads may share it.
+// Constant once loaded, so threads may share it.
 class QueryTile {
  public:
-  // Reads the source's `index`-th tile, and finds the neighbours of its cells if the result was stored without. Errors:
-  // those of TileSource::read(); not_delaunay when three cells share a facet; memory.
+  // Reads the source's `index`-th tile, and finds the neighbours of its cells if the result was stored without them.
+  // Errors: those of TileSource::read(); not_delaunay when three cells share a facet; memory.
   static Result<std::shared_ptr<const QueryTile>> load(const TileSource& source, std::size_t index, bool with_rows);
 
   TileId id() const { return id_; }
@@ -52,27 +51,27 @@ class QueryTile {
   // The tile in which the cell is main: the lowest that owns a vertex of it.
   TileId main_tile(std::int32_t cell) const;
 
-  // Along a Hilbert curve through the tile; keys are of this tile alone.
+  // The key of a point along a Hilbert curve through this tile. Keys of different tiles are unrelated.
   std::uint64_t key(const Point& p) const { return key_(p); }
-  // A cell from which it is not far to q, whose key this is. `from`: where the last search ended, for keys in ascending
-  // order; 0 at first.
+  // A cell near q; `key` is q's key. `from` is where the last search ended, when keys are asked for in ascending order;
+  // 0 at first.
   std::int32_t start(const Point& q, std::uint64_t key, std::size_t& from) const;
 
   // The tile's own vertex with this source index, or -1.
   std::int32_t own_vertex(PointId id) const;
-  // All cells with this own vertex. Error corrupt when the neighbours contradict the cells.
+  // All cells around this own vertex. Error corrupt when the neighbours contradict the cells.
   Result<std::vector<std::int32_t>> around(std::int32_t own_vertex) const;
-  // The cell with these vertices, or -1. Error corrupt as above, and when no vertex is the tile's own.
+  // The cell with these vertices, or -1. Error corrupt as in around(), and when the tile owns none of the vertices.
   Result<std::int32_t> find(const CellIds& ids) const;
 
-  // Whether the result is a part of a triangulation, of which a neighbour may be unknown; if so, whether this is for
-  // sure a cell of the whole.
+  // is_part() is true for a region, where a neighbour may be unknown. is_final() says whether the cell is surely a cell
+  // of the whole triangulation.
   bool is_part() const { return part_; }
   bool is_final(std::int32_t cell) const {
     return mesh().cell_final.empty() || mesh().cell_final[static_cast<std::size_t>(cell)] != 0;
   }
 
-  // Error corrupt that names this tile's file: "out/tiles/000042.vtu, cell 17: `reason`".
+  // Error corrupt with this tile's file: "out/tiles/000042.vtu, cell 17: `reason`".
   Error corrupt_cell(std::int32_t cell, const std::string& reason) const;
 
  private:
@@ -85,8 +84,8 @@ class QueryTile {
   std::size_t row_bytes_;
   HilbertKey key_;
   std::vector<std::pair<std::uint64_t, std::int32_t>> samples_;  // (key of its first vertex, cell), ascending
-  std::vector<std::int32_t> cell_of_;                            // by vertex: one that has it, or -1
-  // Own vertices by id. Sorted when first asked for: most questions are answered inside one tile.
+  std::vector<std::int32_t> cell_of_;                            // by vertex: a cell with the vertex, or -1
+  // Own vertices by id. Sorted when first asked for, because most queries are answered within one tile.
   mutable std::once_flag by_id_made_;
   mutable std::vector<std::int32_t> by_id_;
   std::size_t bytes_ = 0;

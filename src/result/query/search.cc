@@ -1,9 +1,10 @@
-// The cells of an area are found from the inside: those that meet a box are connected through facets that meet it, for
-// a box and the hull are convex. From the cells around a few of its points on one goes from neighbour to neighbour
-// inside a tile. A cell with foreign vertices is told to the tiles that own them; they go on from there. So only tiles
-// with cells that meet the box are read, and a cell is tested once a tile that holds it. Of a polygon it is the box
-// around it that is searched. Of a line in the plane it is the line itself: what it has in common with the hull is
-// connected, too; so is what a plane has in common with a box and the hull.
+// The cells of an area are found from the inside. The cells that meet a box are connected through facets that meet the
+// box, because the box and the hull are convex. So the search begins with the cells around a few points of the box, and
+// goes from neighbour to neighbour inside a tile. The search passes a cell with foreign vertices to the tiles that own
+// these vertices, and goes on there. So only tiles with cells that meet the box are read, and a cell is tested once for
+// each tile that has it. For a polygon, the search goes through its bounding box. For a line in the plane, the search
+// follows the line: its intersection with the hull is connected, too, and so is that of a plane with a box and the
+// hull.
 #include "src/result/query/search.h"
 
 #include <algorithm>
@@ -45,7 +46,7 @@ Bounds cut(const Bounds& box, const Bounds& bounds, int dimension) {
   return both;
 }
 
-// The corners of a box, and the middles of its edges, sides and inside.
+// The corners of a box, and the midpoints of its edges, its sides and its inside.
 std::vector<Point> probes_of(const Bounds& box, int dimension) {
   std::vector<Point> probes;
   for (int i = 0; i < (dimension == 3 ? 27 : 9); ++i) {
@@ -60,7 +61,7 @@ std::vector<Point> probes_of(const Bounds& box, int dimension) {
   return probes;
 }
 
-// Points on the line, or beside it by a rounding.
+// Points on the line, up to rounding.
 std::vector<Point> probes_of(const Leg& leg) {
   std::vector<Point> probes{leg.from, leg.to};
   for (const double part : {0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875})
@@ -69,7 +70,7 @@ std::vector<Point> probes_of(const Leg& leg) {
   return probes;
 }
 
-// Points of the box that are on the plane, or beside it by a rounding; and some near it.
+// Points of the box on the plane, up to rounding, and some points near it.
 std::vector<Point> probes_of(const Bounds& box, const Plane& plane) {
   std::vector<Point> probes = probes_of(box, 3);
   for (Point& p : probes) {
@@ -81,7 +82,7 @@ std::vector<Point> probes_of(const Bounds& box, const Plane& plane) {
   return probes;
 }
 
-// All corners of the box are on one side.
+// True if all corners of the box are on one side of the plane.
 bool is_beside(const Bounds& box, const Plane& plane) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -98,13 +99,13 @@ class Search {
   Search(Walker& walker, const Area& area, const Bounds& box, std::uint64_t cells_max, const std::stop_token& stop)
       : walker_(walker), area_(area), box_(box), near_(nearness(box)), cells_max_(cells_max), stop_(stop) {}
 
-  // From this cell on, if it meets the area.
+  // Begins at this cell. Returns false if the cell does not meet the area.
   bool begin(const Place& main) {
     if (!meets_area(*main.tile, main.cell)) return false;
     tiles_[main.tile->id()].waiting.push_back(main.tile->ids(main.cell));
     return true;
   }
-  // Every cell of the tile is looked at.
+  // Tests every cell of the tile.
   Status scan(TileId id) {
     BOOST_OUTCOME_TRY(tile, open(id));
     for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(tile->mesh().cell_ghost.size()); ++cell)
@@ -141,7 +142,7 @@ class Search {
     for (std::size_t k = 0; k < tile.corners(); ++k) corners_[k] = tile.point(tile.vertex(cell, k));
     return {corners_.data(), tile.corners()};
   }
-  // The box around it, if it is a polygon.
+  // For a polygon, tests its bounding box.
   bool meets_area(const QueryTile& tile, std::int32_t cell) {
     const auto corners = corners_of(tile, cell);
     if (area_.leg) return meets(corners, *area_.leg);

@@ -1,4 +1,4 @@
-// Which cells meet an area.
+// Finds the cells that meet an area.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace tessera::query {
 
-// Far more than a distance from a plane is rounded by, and far less than anybody sees.
+// A distance far above the rounding of distances from a plane, and far below anything visible.
 double nearness(const Bounds& bounds);
-// Whether a cell has vertices on both sides of the plane, or so near to it.
+// Returns true if a cell has vertices on both sides of the plane, or within `near` of it.
 bool meets_plane(std::span<const Point> cell, const Plane& plane, double near);
 
 struct Found {
-  std::map<TileId, std::vector<std::int32_t>> cells;  // the places of main cells by tile, in no order
+  std::map<TileId, std::vector<std::int32_t>> cells;  // indices of main cells by tile, in no order
   std::set<TileId> owners;                            // of the vertices of these cells
   std::uint64_t count = 0;                            // of cells
 };
 
-// All main cells that meet the area, each once; or more than `cells_max` of them, when it was no use to look any
-// further. Errors: of reading; interrupted.
+// Finds all main cells that meet the area, each once. When there are more than `cells_max` of them, the search ends
+// early, and the list is incomplete. Errors: those of reading; interrupted.
 Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifest, const Area& area,
                      std::uint64_t cells_max, const std::stop_token& stop);
 

@@ -11,8 +11,9 @@
 namespace tessera::query {
 namespace {
 
-// In the tile that owns the vertex, which holds all of its cells: of each facet with the vertex the Voronoi edge across
-// it, seen from both sides. Infinite when one is on the hull, NaN when a cell has no volume, as only damaged ones have.
+// The volume in the tile that owns the vertex, which has all of its cells: for each facet with the vertex, adds the
+// Voronoi edge across it, seen from both sides. Infinite when a facet is on the hull; NaN when a cell has no volume, as
+// only damaged results have.
 double voronoi_volume(const QueryTile& tile, std::int32_t vertex, const std::vector<std::int32_t>& star) {
   const std::size_t corners = tile.corners();
   std::map<std::int32_t, std::vector<Vec<Wide>>> corners_of;
@@ -44,7 +45,8 @@ double voronoi_volume(const QueryTile& tile, std::int32_t vertex, const std::vec
   return std::abs(static_cast<double>(rounded(volume)));
 }
 
-// In a part of a triangulation: they need not be connected. `final`: all are of the whole one.
+// The cells around a vertex in a region, where they may not be connected. Sets `final` if all are cells of the whole
+// triangulation.
 std::vector<std::int32_t> around_in_part(const QueryTile& tile, const CellTree& tree, std::int32_t vertex,
                                          bool& final) {
   std::vector<std::int32_t> star;
@@ -56,7 +58,7 @@ std::vector<std::int32_t> around_in_part(const QueryTile& tile, const CellTree& 
   return star;
 }
 
-// Whether it is known what is beyond each facet with the vertex: then there are no other cells around it.
+// True if the neighbour across each facet with the vertex is known. Then there are no other cells around the vertex.
 bool is_closed(const QueryTile& tile, std::int32_t vertex, const std::vector<std::int32_t>& star) {
   for (const std::int32_t cell : star)
     for (std::size_t k = 0; k < tile.corners(); ++k)
@@ -64,7 +66,7 @@ bool is_closed(const QueryTile& tile, std::int32_t vertex, const std::vector<std
   return true;
 }
 
-// The vertex that stands for a point which is none.
+// The kept point of a duplicate; nothing if the point is no duplicate.
 Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const Manifest& manifest, PointId id) {
   if (manifest.duplicates == 0) return std::optional<PointId>{};
   BOOST_OUTCOME_TRY(pairs, read_duplicates(out, manifest.keep));

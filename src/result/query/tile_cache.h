@@ -1,4 +1,4 @@
-// Tiles of a result in memory, as many as a budget allows; those asked for last stay.
+// Keeps tiles of a result in memory, as many as a budget allows. The least recently used tiles are dropped first.
 #pragma once
 
 #include <condition_variable>
@@ -16,14 +16,14 @@ namespace tessera::query {
 
 using PinnedTile = std::shared_ptr<const QueryTile>;
 
-// For several threads. A tile is pinned while somebody holds it: its memory counts, but is not given back. So what is
-// held can exceed the budget, by what all threads together have pinned.
+// Thread-safe. A tile is pinned while a pointer to it exists: its memory counts, but is not freed. So the memory in use
+// can exceed the budget by what all threads together have pinned.
 class TileCache {
  public:
   TileCache(TileSource source, std::uint64_t bytes_max) : source_(std::move(source)), bytes_max_(bytes_max) {}
 
-  // From memory, or read, by one thread while others who want it wait. Errors: those of QueryTile::load(); corrupt when
-  // the manifest has no such tile.
+  // Returns the tile from memory or reads it. One thread reads, and other threads that want the tile wait. Errors:
+  // those of QueryTile::load(); corrupt when the manifest has no such tile.
   Result<PinnedTile> get(TileId tile, bool with_rows);
 
   std::uint64_t loads() const;  // tiles read so far
@@ -33,7 +33,7 @@ class TileCache {
   struct Slot {
     PinnedTile tile;
     bool loading = false;
-    std::uint64_t used = 0;  // the higher the later
+    std::uint64_t used = 0;  // the higher, the later
   };
   void evict();  // REQUIRES: the lock is held
 

@@ -78,7 +78,7 @@ Result<Located> Walker::walk(const Point& q, Place& at) {
     std::size_t facet = 0;
     unsigned on_facets = 0;
     for (; facet < corners; ++facet) {
-      if (n[facet] == from && from >= 0) continue;  // it was crossed: q is strictly on this side
+      if (n[facet] == from && from >= 0) continue;  // this facet was crossed, so q is strictly on this side
       const Point corner = std::exchange(p[facet], q);
       const int side = orientation<d>(p);
       p[facet] = corner;
@@ -109,7 +109,7 @@ Result<Located> Walker::choose(const Point& q, const Located& found) {
     if ((found.on_facets >> k & 1u) != 0) continue;
     const std::int32_t v = place.tile->vertex(place.cell, k);
     face.push_back(place.tile->id_of(v));
-    // The own tile if it can be: no other need be read.
+    // Prefers this tile, so that no other must be read.
     if (owned) continue;
     owner = place.tile->owner(v);
     owned = owner == place.tile->id();

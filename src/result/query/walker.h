@@ -10,62 +10,63 @@
 
 namespace tessera::query {
 
-// A cell as one of the tiles that hold it has it; no tile: outside the hull.
+// A cell in one of the tiles that have it; no tile: outside the hull.
 struct Place {
   const QueryTile* tile = nullptr;
   std::int32_t cell = -1;
   explicit operator bool() const { return tile != nullptr; }
 };
 
-// The cell that is the answer to a point, and on which of its facets the point lies.
+// The cell that contains a point, and the facets on which the point lies.
 struct Located {
   Place place;
-  unsigned on_facets = 0;  // bit k: it is on the facet opposite vertex k
-  bool final = true;       // so it is in the whole triangulation, of which the result may be a part
+  unsigned on_facets = 0;  // bit k: the point is on the facet opposite vertex k
+  bool final = true;       // holds in the whole triangulation, too, when the result is a region
 };
 
-// Of one thread. A Place is good as long as its tile is pinned.
+// Used by one thread. A Place is valid as long as its tile is pinned.
 class Walker {
  public:
-  // `with_rows`: tiles with the attributes of their vertices.
+  // `with_rows`: read tiles with the attributes of their vertices.
   Walker(TileCache& cache, const Manifest& manifest, bool with_rows)
       : cache_(cache), steps_max_(manifest.cells + 1), with_rows_(with_rows) {}
 
-  // A tile, pinned from here on. Errors: those of TileCache::get().
+  // Returns a tile, which the walker pins. Errors: those of TileCache::get().
   Result<const QueryTile*> tile(TileId id);
-  // Gives back all others. Null: all.
+  // Unpins all tiles but this one. Null: all tiles.
   void keep_only(const QueryTile* tile);
 
-  // The neighbour across the facet opposite corner k; none: the facet is on the hull. What the tile does not know, the
-  // owner of a vertex of the facet does: it holds all cells around its vertices. Error corrupt when it does not.
-  // In a part of a triangulation there is also none where no cell is known.
+  // The neighbour across the facet opposite corner k; no place when the facet is on the hull. When the tile does not
+  // know the neighbour, the owner of a vertex of the facet does, because it has all cells around its vertices. Error
+  // corrupt when that tile does not know it. In a region, there is also no place when the cell is unknown.
   Result<Place> across(Place from, std::size_t k);
-  // Of a part: since forget_doubts(), whether across() met a facet beyond which no cell is known, and one that is not
-  // for sure of the whole.
+  // For regions: whether across() has met, since forget_doubts(), a facet with an unknown cell beyond, and a cell that
+  // is not surely one of the whole triangulation.
   bool met_unknown() const { return met_unknown_; }
   bool met_unsure() const { return met_unsure_; }
   void forget_doubts() { met_unknown_ = met_unsure_ = false; }
-  // The same cell in another tile, which owns one of its vertices. Error corrupt when it is not there.
+  // The same cell in another tile that owns one of its vertices. Error corrupt when that tile does not have it.
   Result<Place> same_in(Place place, TileId id);
   // The same cell in its main tile.
   Result<Place> main_place(Place place) { return same_in(place, place.tile->main_tile(place.cell)); }
 
-  // The cell whose closed set has q; of several the one whose sorted source indices come first, so that the answer is a
-  // function of the triangulation and q alone. No place: q is outside the hull. Exact. From `from` on, which becomes
-  // the last cell visited; all tiles are given back but that of `from` and of the answer. q is finite, in 2D with z =
-  // 0.
+  // Finds the cell that contains q, boundaries included. When several do, the one whose sorted source indices come
+  // first, so the answer depends only on the triangulation and q. No place: q is outside the hull. Exact. The walk
+  // begins at `from`, which becomes the last cell visited. Unpins all tiles except those of `from` and of the answer.
+  // REQUIRES: q is finite; z = 0 in 2D.
   //
-  // A visibility walk: across any facet that has q strictly on its other side, until there is none. It ends: a Delaunay
-  // triangulation, cospherical ties broken as if points were lifted, is regular, and in such no point sees cells in a
-  // cycle (Edelsbrunner, An acyclicity theorem for cell complexes in d dimensions, Combinatorica 1990). It goes on in
-  // another tile with the very cell that it has come to, so it is one walk whatever the tiles. Beyond a facet of the
-  // hull, which is convex, there is nothing. Damaged files cannot make it walk for ever: it counts its steps.
+  // This is a visibility walk: it crosses any facet that has q strictly on its other side, until there is none. The
+  // walk ends: a Delaunay triangulation, whose ties are broken as if points were lifted, is regular, and in a regular
+  // triangulation no point sees cells in a cycle (Edelsbrunner, An acyclicity theorem for cell complexes in d
+  // dimensions, Combinatorica 1990). The walk continues in another tile with the same cell, so it does not depend on
+  // tiles. Beyond a facet of the hull there is nothing, because the hull is convex. The walk counts its steps, so
+  // damaged files cannot make it endless.
   Result<Located> locate(const Point& q, Place& from);
 
  private:
   template <int d>
   Result<Located> walk(const Point& q, Place& at);
-  // Of the cells around a face of `found` that has q in its inside, the first.
+  // Returns the first of the cells around the face of `found` that has q in its interior.
   Result<Located> choose(const Point& q, const Located& found);
 
   TileCache& cache_;

@@ -19,7 +19,7 @@ class Corners {
   std::size_t size_ = 0;
 };
 
-// Four in 2D, with z = 0; eight in 3D.
+// Returns four corners in 2D, with z = 0, or eight in 3D.
 inline Corners corners_of(const Bounds& box, int dimension) {
   Corners corners;
   corners.size_ = dimension == 2 ? 4 : 8;

@@ -33,7 +33,7 @@ GrowingTriangulation::Ordered GrowingTriangulation::ordered(std::vector<LocalPoi
     return found;
   };
   const HeightsOf known = by_id.empty() ? HeightsOf() : heights_of;
-  choose_kept(keep_, known, loaded).value();  // no error: there is nothing to read
+  choose_kept(keep_, known, loaded).value();  // reports no error, because nothing is read
   Ordered made{std::move(loaded.points), std::move(loaded.ids), {}};
   if (known) made.heights = heights_of(made.ids).value();
   return made;
@@ -50,7 +50,8 @@ void GrowingTriangulation::build(std::vector<LocalPoint> points, std::vector<dou
 void GrowingTriangulation::add(std::vector<LocalPoint> points, std::vector<double> heights,
                                const std::stop_token& stop) {
   points_ += points.size();
-  // Insertion one by one takes longer than building, which knows that nobody asks for the new vertex's neighbours.
+  // Building anew is faster than inserting many points one by one, because building need not know the neighbours of new
+  // vertices.
   if (rank() < dimension_ || points.size() > ids_.size()) {
     for (Vertex v = 1; v <= ids_.size(); ++v) points.push_back({point(v), id(v)});
     heights.insert(heights.end(), heights_.begin(), heights_.end());

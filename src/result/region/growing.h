@@ -1,4 +1,4 @@
-// The triangulation of points that come in groups.
+// Triangulates points that come in groups.
 #pragma once
 
 #include <cstddef>
@@ -12,30 +12,31 @@
 
 namespace tessera {
 
-// Equal points are one vertex, that of the one among them that is kept.
+// A Delaunay triangulation to which groups of points are added. Points with equal coordinates are one vertex, whose id
+// is that of the kept point.
 class GrowingTriangulation {
  public:
   explicit GrowingTriangulation(int dimension, DuplicatePolicy keep = DuplicatePolicy::first);
 
-  // Throws Stopped soon after `stop` is requested, KernelFull when there are too many points: it can only be destroyed
-  // then.
-  // `heights`: of the points, in their order; empty when they are not kept by height.
+  // Adds points. `heights` has the heights of the points, in their order; it is empty unless equal points are kept by
+  // height. Throws Stopped soon after `stop` is requested, and KernelFull when there are too many points. After an
+  // exception the object can only be destroyed.
   void add(std::vector<LocalPoint> points, std::vector<double> heights, const std::stop_token& stop);
 
   int dimension() const { return dimension_; }
-  int rank() const { return kernel_->dimension(); }  // of the points: below dimension() there are no cells
-  std::size_t points() const { return points_; }     // that were added, equal ones counted
+  int rank() const { return kernel_->dimension(); }  // that the points span; below dimension() there are no cells
+  std::size_t points() const { return points_; }     // that were added, equal ones included
   CellList cells() const { return kernel_->cells(); }
   Vertex vertices() const { return kernel_->vertices(); }
   Point point(Vertex v) const { return kernel_->point(v); }
   PointId id(Vertex v) const { return ids_[v - 1]; }
 
  private:
-  // Distinct, in the order for the kernel.
+  // Distinct points, in the kernel's order of insertion.
   struct Ordered {
     std::vector<Point> points;
     std::vector<PointId> ids;
-    std::vector<double> heights;  // none when they are not kept by height
+    std::vector<double> heights;  // empty unless points are kept by height
   };
   Ordered ordered(std::vector<LocalPoint> points, std::vector<double> heights) const;
   void build(std::vector<LocalPoint> points, std::vector<double> heights, const std::stop_token& stop);
@@ -44,7 +45,7 @@ class GrowingTriangulation {
   DuplicatePolicy keep_;
   std::unique_ptr<Kernel> kernel_;
   std::vector<PointId> ids_;     // by vertex, from 1 on
-  std::vector<double> heights_;  // likewise; none when they are not kept by height
+  std::vector<double> heights_;  // likewise; empty unless points are kept by height
   std::size_t points_ = 0;
 };
 

@@ -46,10 +46,10 @@ class Judge {
  private:
   using Simplex = std::array<Point, 4>;
   static constexpr std::uint8_t everywhere = 0xFF;
-  // A shape of many edges takes a millisecond for a cell.
+  // A shape with many edges takes a millisecond for a cell.
   static constexpr std::uint32_t cells_a_look = 256;
 
-  // The place of the infinite vertex; corners_ when there is none.
+  // The corner of the infinite vertex; corners_ when there is none.
   std::size_t infinite(std::size_t c) const {
     const Vertex* v = &cells_.vertices[c * corners_];
     return static_cast<std::size_t>(std::find(v, v + corners_, infinite_vertex) - v);
@@ -63,7 +63,8 @@ class Judge {
   }
   std::span<const Point> points(const Simplex& simplex) const { return std::span(simplex).first(corners_); }
 
-  // On which sides of the region a point is beyond it. Most cells have all vertices beyond one: a byte of each tells.
+  // The sides of the region beyond which a point lies, as bits. Most cells have all vertices beyond one side, and these
+  // bits show that.
   std::uint8_t sides_of(const Point& p) const {
     unsigned sides = 0;
     for (int axis = 0; axis + 1 < static_cast<int>(corners_); ++axis) {
@@ -89,7 +90,7 @@ class Judge {
     const Simplex cell = simplex(c);
     const HullReach reach(points(cell), k);
     const int side = reach.side(region_);
-    // A facet that the region touches has a cell behind it that meets the region.
+    // If the region only touches the facet, the finite cell behind the facet meets the region.
     if (side < 0 || (side == 0 && judgement_.states[behind] == CellState::elsewhere)) return;
     if (!settle(c, reach)) ++judgement_.hull_open;
   }

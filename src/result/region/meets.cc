@@ -15,12 +15,12 @@ bool is_inside(const Point& p, const Bounds& box, int dimension) {
   return true;
 }
 
-// p without its coordinate `axis`.
+// The point p without its coordinate `axis`.
 Point flat(const Point& p, int axis) {
   return axis == 0 ? Point{p.y, p.z} : axis == 1 ? Point{p.x, p.z} : Point{p.x, p.y};
 }
 
-// Whether the plane of facet `k`, or in 2D its line, has all of the box strictly on the other side than the cell.
+// True if the plane of facet `k` (in 2D its line) has the whole box strictly on the side away from the cell.
 bool facet_separates(std::span<const Point> cell, std::size_t k, const Corners& corners) {
   std::array<Point, 4> simplex{};
   std::copy(cell.begin(), cell.end(), simplex.begin());
@@ -31,7 +31,7 @@ bool facet_separates(std::span<const Point> cell, std::size_t k, const Corners& 
   });
 }
 
-// The same of the plane through edge (i, j) that is parallel to an axis, seen along that axis.
+// The same for the plane through edge (i, j) parallel to an axis, seen along that axis.
 bool edge_separates(std::span<const Point> cell, std::size_t i, std::size_t j, int axis, const Bounds& box) {
   const Point a = flat(cell[i], axis), b = flat(cell[j], axis);
   if (a == b) return false;

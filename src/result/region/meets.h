@@ -1,4 +1,4 @@
-// Whether a cell has a point in common with a box, both with their boundaries: decided exactly.
+// Decides exactly whether a cell and a box, both with their boundaries, have a point in common.
 #pragma once
 
 #include <span>
@@ -7,10 +7,10 @@
 
 namespace tessera {
 
-// `cell`: dimension + 1 vertices, positively oriented; `box`: finite, perhaps flat. In 2D z does not count. They have
-// no point in common if and only if a line (a plane) separates them, and then one does that is parallel to a facet of
-// either, or in 3D to an edge of each: for all of these it is asked on which side the vertices are, by exact
-// predicates.
+// `cell` has dimension + 1 vertices and is positively oriented; `box` is finite and may be flat. In 2D z is ignored.
+// Cell and box are disjoint if and only if a line (a plane) separates them. Then one of these also separates them: a
+// line or plane parallel to a facet of either, or in 3D a plane parallel to an edge of each. So exact predicates test
+// all of these.
 bool meets(std::span<const Point> cell, const Bounds& box);
 
 }  // namespace tessera

@@ -67,7 +67,7 @@ std::vector<std::size_t> RegionQuestion::first_units() const {
   return units.empty() ? nearest_units(1) : units;
 }
 
-// What is not read now is read later, if a cell depends on it.
+// A unit that is not read now is read later, if a cell depends on it.
 bool RegionQuestion::meets_region(const Bounds& unit) const {
   if (!boxes_meet(unit, region_)) return false;
   if (!shape_ || !(unit.lo.x < unit.hi.x && unit.lo.y < unit.hi.y)) return true;
@@ -108,7 +108,7 @@ RegionQuestion::Wanted RegionQuestion::within_limits(std::vector<std::size_t> un
     if (!wanted.beyond.empty()) break;
     wanted.units.push_back(unit);
   }
-  // Without them there is no answer: nothing is read for one that will not be given.
+  // Without the other units there is no answer, so nothing is read.
   if (!wanted.beyond.empty() && !limits_.partial) wanted.units.clear();
   return wanted;
 }
@@ -143,7 +143,7 @@ void RegionQuestion::add_heights(const LoadedUnit& unit, std::vector<double>& he
   }
 }
 
-// Units come by ascending number, each whole when the next one comes.
+// Units come by ascending number, and each is complete when the next one comes.
 Status RegionQuestion::load(std::vector<std::size_t>& units, std::string& beyond) {
   std::sort(units.begin(), units.end());
   std::vector<std::size_t> absent;
@@ -210,7 +210,7 @@ RegionCells RegionQuestion::finished(const CellList& cells, const Judgement& jud
   return answer;
 }
 
-// `ids`: ascending.
+// `ids` are ascending.
 std::vector<std::byte> RegionQuestion::rows_of(const std::vector<PointId>& ids) const {
   std::vector<std::byte> rows(ids.size() * row_bytes_);
   if (row_bytes_ == 0) return rows;

@@ -1,4 +1,4 @@
-// One question to a cloud: the rounds of reading, triangulating and judging.
+// Answers one question to a cloud, in rounds of reading, triangulating and judging.
 #pragma once
 
 #include <chrono>
@@ -18,8 +18,8 @@ namespace tessera {
 
 class RegionQuestion {
  public:
-  // What is read is added to `loaded`. REQUIRES: the region is within the bounds of all units, and not empty;
-  // tree.begin(region) was called.
+  // Units that are read are added to `loaded`. REQUIRES: the region lies within the bounds of all units and is not
+  // empty; tree.begin(region) was called.
   RegionQuestion(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree, int dimension,
                  std::size_t row_bytes, EqualPoints equal, const Bounds& region, RegionShape shape,
                  const RegionLimits& limits, std::stop_token stop);
@@ -28,8 +28,8 @@ class RegionQuestion {
 
  private:
   struct Wanted {
-    std::vector<std::size_t> units;  // that are within the limits
-    std::string beyond;              // which limit does not allow the others; empty if there are none
+    std::vector<std::size_t> units;  // that fit into the limits
+    std::string beyond;              // the limit that excludes the other units; empty if there are no others
   };
 
   std::vector<std::size_t> first_units() const;
@@ -37,7 +37,7 @@ class RegionQuestion {
   std::vector<std::size_t> nearest_units(std::size_t n) const;
   Wanted within_limits(std::vector<std::size_t> units) const;
   bool late() const;
-  // Loads the units and adds their points; of those that could not be read in time, none.
+  // Loads the units and adds their points. Units that could not be read in time are left out.
   Status add(Wanted& wanted);
   Status load(std::vector<std::size_t>& units, std::string& beyond);
   void add_heights(const LoadedUnit& unit, std::vector<double>& heights) const;

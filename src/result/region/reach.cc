@@ -23,7 +23,7 @@ Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// The centre seen from the first vertex, as in src/tiling/tile/circumsphere.cc.
+// The centre relative to the first vertex, as in src/tiling/tile/circumsphere.cc.
 Vector centre(const std::array<Point, 4>& cell, int dimension) {
   const Vector u = minus(cell[1], cell[0]), v = minus(cell[2], cell[0]);
   const Number uu = dot(u, u), vv = dot(v, v);
@@ -61,9 +61,9 @@ SphereReach::SphereReach(std::span<const Point> cell)
   std::copy(cell.begin(), cell.end(), cell_.begin());
 }
 
-// A difference is off by at most e = 2^-53 of itself, a square by 3e, the sum of three by 5e: 16e cover all that and
-// the square of the reach. Squares that underflow are below 1e-307: without the last term nothing as small would be
-// apart.
+// A difference is off by at most e = 2^-53 of itself, a square by 3e, the sum of three squares by 5e. So 16e cover all
+// of these and the square of the reach. Squares that underflow are below 1e-307: the last term keeps distances that
+// small from counting as apart.
 bool SphereReach::meets(const Bounds& box) const {
   if (!ball_.known) return meets_exactly(cell_, box, dimension_);
   constexpr double eps = 0x1p-53;

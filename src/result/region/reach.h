@@ -1,7 +1,7 @@
-// Where a point must be to change a cell of a Delaunay triangulation, perturbed or not. Properties:
-//  (1) A point outside of a cell's reach is in no conflict with it, whatever the ties: the cell is one of the
-//      triangulation with it, too. For all that is not in the closed sphere, or beyond the hull, the predicates are not
-//      0.
+// The reach of a cell of a Delaunay triangulation: where a point must be to change the cell. Properties:
+//  (1) A point outside a cell's reach is not in conflict with the cell, with or without perturbation. So the cell stays
+//      a cell when the point is added. The predicates are not 0 for points outside the closed sphere, nor for points
+//      beyond the hull.
 //  (2) Rounding never makes a reach smaller than it is.
 #pragma once
 
@@ -13,30 +13,30 @@
 
 namespace tessera {
 
-// The closed circumsphere of a cell. A point outside is in no conflict with the cell, whatever the ties: the cell is
-// one of the triangulation with it, too.
+// The closed circumsphere of a finite cell.
 class SphereReach {
  public:
-  // `cell`: dimension + 1 vertices, positively oriented.
+  // `cell` has dimension + 1 vertices and is positively oriented.
   explicit SphereReach(std::span<const Point> cell);
-  // Whether a point of the closed box may be in reach. In 2D z does not count.
+  // Returns true if a point of the closed box may be in reach. In 2D z is ignored.
   bool meets(const Bounds& box) const;
 
  private:
   int dimension_;
   std::array<Point, 4> cell_{};
-  Ball ball_;  // the sphere is inside; where that cannot be told, numbers of any length decide
+  Ball ball_;  // a ball that contains the sphere; where it does not decide, exact numbers do
 };
 
-// What is strictly beyond a facet of the hull. What is in its plane may change the facet, but then also the cell
-// behind.
+// The points strictly beyond a facet of the hull. A point in the facet's plane may also change the facet, but then it
+// also changes the finite cell behind the facet.
 class HullReach {
  public:
-  // `cell`: the vertices of the infinite cell; that at `infinite` is not looked at.
+  // `cell` has the vertices of the infinite cell; the entry at `infinite` is not read.
   HullReach(std::span<const Point> cell, std::size_t infinite);
   bool meets(const Bounds& box) const { return side(box) > 0; }
 
-  // The greatest sign of the side of the box's corners: 1, some are strictly beyond; 0, some are in the plane; -1.
+  // The greatest side of a corner of the box: 1 if some corner is strictly beyond the facet, 0 if none is but some
+  // corner is in the plane, -1 otherwise.
   int side(const Bounds& box) const;
 
  private:

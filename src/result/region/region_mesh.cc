@@ -14,15 +14,15 @@ namespace {
 
 constexpr std::int32_t outside = -1, elsewhere = -2;
 
-// A cell of the mesh: its vertices there, and its place in the list.
+// A cell of the mesh: its vertices in the mesh, and its corners in the list.
 struct Row {
   std::array<std::int32_t, 4> vertices{};
-  std::array<std::uint8_t, 4> from{};  // where in the list's cell each vertex stands
+  std::array<std::uint8_t, 4> from{};  // the corner in the list's cell of each vertex
   std::uint32_t cell = 0;
   friend bool operator<(const Row& a, const Row& b) { return a.vertices < b.vertices; }
 };
 
-// The least vertex first and, in 3D, the least of the others second, by an even permutation.
+// Turns the cell by an even permutation: the least vertex first and, in 3D, the least of the others second.
 void turn(Row& row, std::size_t corners) {
   const auto swap = [&](std::size_t i, std::size_t j) {
     std::swap(row.vertices[i], row.vertices[j]);
@@ -30,7 +30,7 @@ void turn(Row& row, std::size_t corners) {
   };
   const auto begin = row.vertices.begin();
   const auto end = begin + static_cast<std::ptrdiff_t>(corners);
-  const auto rotate = [&](std::size_t first) {  // three from `first` on
+  const auto rotate = [&](std::size_t first) {  // rotates three from `first` on
     swap(first, first + 1);
     swap(first + 1, first + 2);
   };

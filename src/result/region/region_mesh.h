@@ -1,4 +1,4 @@
-// Some cells of a triangulation as the arrays of a tile file.
+// Converts some cells of a triangulation to the arrays of a tile file.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@ namespace tessera {
 
 struct RegionMesh {
   TileMesh mesh;                    // of tile 0, which owns all vertices
-  std::vector<std::uint8_t> final;  // by cell of the mesh
+  std::vector<std::uint8_t> final;  // by cell of the mesh: 1 if the cell is final
 };
 
-// The finite cells that meet the region. A function of these cells and their vertices alone: vertices by id, each cell
-// with the least first, cells sorted. Neighbours: -1 where the hull of the whole cloud is known to be, else -2 where
-// there is no cell. Throws Stopped.
+// Returns the finite cells that meet the region. The result depends only on these cells and their vertices: vertices
+// are sorted by id, each cell begins with its least vertex, and cells are sorted. A missing neighbour is -1 where the
+// hull of the whole cloud is known to be, and -2 elsewhere. Throws Stopped.
 RegionMesh region_mesh(const GrowingTriangulation& triangulation, const CellList& cells, const Judgement& judgement,
                        const std::stop_token& stop);
 

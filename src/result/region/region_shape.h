@@ -8,8 +8,9 @@
 
 namespace tessera {
 
-// Whether a cell that meets the box around a region meets the region itself: `cell` has dimension + 1 vertices, or 3 of
-// its place in the plane, and is positively oriented. Null: all do, the region is the box.
+// Tests whether a cell that meets the box around a region also meets the region. `cell` has dimension + 1 vertices, or
+// the 3 vertices of a flat triangle in the plane, and is positively oriented. Without a function the region is the
+// whole box.
 using RegionShape = std::function<bool(std::span<const Point> cell)>;
 
 }  // namespace tessera

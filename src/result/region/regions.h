@@ -1,4 +1,4 @@
-// The exact cells of a region of a cloud that is too large to be triangulated, or not worth it.
+// Finds the exact cells of a region of a cloud that is too large to be triangulated as a whole.
 #pragma once
 
 #include <chrono>
@@ -23,20 +23,20 @@
 
 namespace tessera {
 
-// What was read of a unit.
+// The points of a unit that was read.
 struct LoadedUnit {
   std::vector<LocalPoint> points;
   std::vector<std::byte> rows;
-  std::chrono::steady_clock::time_point used = {};  // the last time
+  std::chrono::steady_clock::time_point used = {};  // when a question last used the unit
   std::uint64_t bytes() const { return points.size() * sizeof(LocalPoint) + rows.size(); }
 };
 
 struct RegionLimits {
   std::uint64_t max_points = std::numeric_limits<std::uint64_t>::max();  // of the units that are triangulated
-  double max_seconds = std::numeric_limits<double>::infinity();          // looked at between units and rounds
+  double max_seconds = std::numeric_limits<double>::infinity();          // checked between units and between rounds
   std::uint64_t memory_bytes = std::numeric_limits<std::uint64_t>::max();
-  bool partial = false;  // beyond them give what there is, instead of an error
-  // Is told how many points were read, and how many are needed, which may become more; or null.
+  bool partial = false;  // when a limit is reached, return the cells found so far instead of an error
+  // Called with the points that were read and the points that are needed, a number that may grow; may be null.
   std::function<void(std::uint64_t points, std::uint64_t needed)> progress = {};
 };
 
@@ -48,42 +48,42 @@ struct RegionFigures {
   double seconds = 0;
 };
 
-// The cells that meet a region, as those of one tile that owns all vertices.
+// The cells that meet a region, as the cells of one tile that owns all vertices.
 struct RegionCells {
   TileMesh mesh;
   std::vector<std::byte> rows;      // of the vertices
-  std::vector<std::uint8_t> final;  // by cell: 1, it is a cell of the whole triangulation
-  bool complete = true;             // all cells are final, and together all that meet the region
-  std::string needed;               // else: what is still needed, as a sentence
+  std::vector<std::uint8_t> final;  // by cell: 1 for a cell of the whole triangulation
+  bool complete = true;             // all cells are final, and no cell that meets the region is missing
+  std::string needed;               // otherwise: what is still needed, as a sentence
   RegionFigures figures;
 };
 
-// What equal points of a cloud have to do with each other.
+// How points with equal coordinates become one vertex.
 struct EqualPoints {
   DuplicatePolicy keep = DuplicatePolicy::first;
-  std::optional<std::size_t> height_at = {};  // where a row has the height, when points are kept by it
+  std::optional<std::size_t> height_at = {};  // offset of the height in a row, when points are kept by height
 };
 
-// Questions to one cloud. What was read for one is there for the next, until forget(). Not thread-safe.
+// Answers questions to one cloud. Units that were read for a question are kept for the next ones, until forget(). Not
+// thread-safe.
 class Regions {
  public:
-  // `row_bytes`: of a point's attributes, as the units give them.
+  // `row_bytes` is the size of a point's attributes as the units return them.
   Regions(std::unique_ptr<PointUnits> units, int dimension, std::size_t row_bytes, EqualPoints equal = {});
 
-  // The cells of the cloud's Delaunay triangulation that have a point in common with the closed box `region`: exactly
-  // those that triangulating the whole cloud gives, source indices included, if the points that are not read are where
-  // the units say (docs/regions.md). Errors: those of reading; bad_input when all points lie in one hyperplane; memory,
-  // naming what is still needed, when a limit does not suffice and `partial` is not wanted, or nothing could be read;
-  // interrupted.
-  // `shape`: of the region in that box, if it is not all of it.
+  // Returns the cells of the cloud's Delaunay triangulation that have a point in common with the closed box `region`.
+  // These are exactly the cells that a triangulation of the whole cloud has, source indices included, if the unread
+  // points are where the units say (docs/regions.md). `shape` selects a part of the box as the region. Errors: those of
+  // reading; bad_input when all points lie in one hyperplane; memory, with what is still needed, when a limit is too
+  // low and `partial` is not set, or when nothing could be read; interrupted.
   Result<RegionCells> ask(const Box& region, const RegionLimits& limits, const std::stop_token& stop = {},
                           const RegionShape& shape = {});
 
   const PointUnits& units() const { return *units_; }
   const Bounds& bounds() const { return bounds_; }  // of all units
-  // Bytes of what was read, and is there for the next question.
+  // Bytes of the units that are kept for the next question.
   std::uint64_t loaded_bytes() const;
-  // Gives back the memory of what was read: of that which was used longest ago, until no more is left than that.
+  // Frees the memory of kept units, the least recently used first, until at most `bytes_max` bytes are left.
   void forget(std::uint64_t bytes_max = 0);
 
  private:

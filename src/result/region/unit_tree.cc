@@ -58,7 +58,7 @@ std::uint32_t UnitTree::build(std::vector<std::uint32_t>& units, std::size_t beg
 }
 
 void UnitTree::begin(const Bounds& region) {
-  for (std::size_t i = nodes_.size(); i-- > 0;) {  // children stand behind their parents
+  for (std::size_t i = nodes_.size(); i-- > 0;) {  // children come after their parents
     Node& node = nodes_[i];
     node.unread = node.is_leaf() ? 1 : nodes_[node.left].unread + nodes_[node.right].unread;
     node.distance = squared_distance(node.box, region);

@@ -1,4 +1,4 @@
-// The units that were not read yet, as a tree of boxes.
+// The units that are not read yet, as a tree of boxes.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +12,19 @@ namespace tessera {
 
 class UnitTree {
  public:
-  // `boxes`: closed and finite, by unit. In 2D z is 0.
+  // `boxes` are closed and finite, one a unit. In 2D z is 0.
   explicit UnitTree(std::vector<Bounds> boxes);
 
-  // Nothing is read; distances are those to `region`, a finite box.
+  // Begins a question: all units are unread. Distances are measured to `region`, a finite box.
   void begin(const Bounds& region);
-  void take(std::size_t unit);  // it is read
+  void take(std::size_t unit);  // marks the unit as read
   bool is_unread(std::size_t unit) const { return nodes_[leaf_[unit]].unread > 0; }
   bool all_read() const { return nodes_.empty() || nodes_[0].unread == 0; }
-  // Squared and rounded: for choices that make no difference to the result.
+  // Squared and rounded. Used only for choices that do not change the result.
   double distance(std::size_t unit) const { return nodes_[leaf_[unit]].distance; }
 
-  // Of the unread units that are met, the nearest to the region; of those equally near the first. `meets(box)` must be
-  // true for a box that holds one for which it is true.
+  // Returns the unread unit that `meets` accepts and that is nearest to the region; of equally near units, the first.
+  // When `meets(box)` is true for a box, it must be true for every box that contains it.
   template <class Meets>
   std::optional<std::size_t> nearest(const Meets& meets) const {
     std::optional<std::size_t> best;
@@ -35,7 +35,7 @@ class UnitTree {
  private:
   struct Node {
     Bounds box;
-    std::uint32_t parent = 0, left = 0, right = 0;  // left == right: a leaf, of this unit
+    std::uint32_t parent = 0, left = 0, right = 0;  // left == right: a leaf, with this unit
     std::uint32_t unread = 0;
     double distance = 0;
     bool is_leaf() const { return left == right; }
@@ -61,7 +61,7 @@ class UnitTree {
   std::vector<std::uint32_t> leaf_;
 };
 
-// The square of the distance of two closed boxes, rounded.
+// The squared distance between two closed boxes, rounded.
 double squared_distance(const Bounds& a, const Bounds& b);
 bool boxes_meet(const Bounds& a, const Bounds& b);
 

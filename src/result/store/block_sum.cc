@@ -14,8 +14,8 @@ struct Sums {
   std::uint64_t low, high;
 };
 
-// Adler-32 is (low, high) with low = 1 + the bytes' sum and high = the sum of all values that low takes, modulo 65521.
-// So the byte at i counts n - i times in high.
+// Adler-32 is (low, high): low = 1 + the sum of the bytes, and high = the sum of all values that low takes, modulo
+// 65521. So the byte at i counts n - i times in high.
 void add_singly(Sums& sums, std::span<const std::byte> bytes) {
   for (const std::byte b : bytes) {
     sums.low += static_cast<std::uint64_t>(b);
@@ -30,8 +30,8 @@ Sums plain(std::span<const std::byte> bytes) {
 }
 
 #if defined(__x86_64__)
-// In rows of 32 bytes, n - i = 32 (rows - 1 - r) + (32 - j): the sums of all rows before each one count 32 times, and
-// bytes by their place in the row. Sums stay below 2^31: 255 x 16320 x 2048 at most.
+// In rows of 32 bytes, n - i = 32 (rows - 1 - r) + (32 - j). So the sum of all rows before each row counts 32 times,
+// and each byte counts by its place in the row. Sums stay below 2^31: 255 x 16320 x 2048 at most.
 template <bool copied>
 [[gnu::target("avx2")]] Sums avx2(std::span<const std::byte> bytes, std::byte* to) {
   constexpr std::size_t width = 32;

@@ -18,9 +18,10 @@ struct Square {
   Lane lanes[8];
 };
 
-// The byte at place b of the square goes to the place whose seven bits are those of b rotated to the left by one, for
-// it comes beside the one half a square away. A number's place times 8 and the plane are another such rotation of the
-// plane times 16 and the number's place: three steps lead from planes to numbers, four lead back.
+// Interleaves the two halves of the square. The byte at place b moves to the place whose seven bits are those of b
+// rotated left by one, because it comes to stand beside the byte half a square away. The place of byte `plane` of
+// number `i` is i * 8 + plane in the order of numbers, and plane * 16 + i in the order of planes: another such
+// rotation. So three steps lead from planes to numbers, and four lead back.
 void rotate(Square& square) {
   Square to;
   for (int i = 0; i < 4; ++i) {
@@ -35,7 +36,7 @@ struct FreeZstd {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
-// One for each thread: setting up its tables takes longer than packing a small tile.
+// One context a thread: setting up its tables takes longer than packing a small tile.
 template <class Context>
 std::unique_ptr<Context, FreeZstd> held(Context* context) {
   if (context == nullptr) throw std::bad_alloc();

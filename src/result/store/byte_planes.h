@@ -1,4 +1,4 @@
-// Numbers as planes: all lowest bytes, all second bytes, and so on. And planes packed.
+// Splits numbers into byte planes (all lowest bytes, all second bytes, and so on), and packs planes with zstd.
 #pragma once
 
 #include <cstddef>
@@ -9,14 +9,16 @@ namespace tessera::store {
 
 inline constexpr std::size_t planes_max = 8;
 
-// Plane p begins at `to` + p * `stride`; all eight are written. REQUIRES: numbers.size() <= stride.
+// Writes all eight planes; plane p begins at `to` + p * `stride`. REQUIRES: numbers.size() <= stride.
 void split_planes(std::span<const std::uint64_t> numbers, std::byte* to, std::size_t stride);
-// REQUIRES: of each plane there are as many bytes as numbers. Those that are not given are 0.
+// The inverse of split_planes(). Planes that are not given are zeros. REQUIRES: each plane has as many bytes as there
+// are numbers.
 void join_planes(std::span<const std::byte* const> planes, std::span<std::uint64_t> numbers);
 
-// As one frame of zstd that tells its size, of at most `room` bytes; how many, or 0 when they would be more.
+// Packs a plane as one zstd frame that contains its size. Returns the number of bytes, or 0 when `room` bytes are too
+// few.
 std::size_t pack_plane(std::span<const std::byte> plane, std::byte* to, std::size_t room);
-// True when `from` is such a frame, of exactly as many bytes.
+// Returns true when `from` is such a frame of exactly plane.size() bytes.
 bool unpack_plane(std::span<const std::byte> from, std::span<std::byte> plane);
 
 }  // namespace tessera::store

@@ -8,7 +8,7 @@ namespace tessera::store {
 
 namespace {
 
-// Numbers of a type as bits are ordered as the values are once these are flipped: the sign of integers.
+// The bits to flip so that the bits of a type's numbers have the order of the values: the sign bit of integers.
 constexpr std::uint64_t flipped(AttributeType type) {
   switch (type) {
     case AttributeType::i8:
@@ -79,10 +79,11 @@ std::uint64_t bits_of(std::span<const std::uint64_t> numbers) {
   return bits;
 }
 
-// Signed integers as unsigned ones in the same order.
+// Maps signed integers to unsigned ones in the same order.
 constexpr std::uint64_t sign = std::uint64_t{1} << 63u;
 
-// What is to be added to what each integer predicts, folded. How many are more than rounding.
+// Computes for each number its multiple, and what must be added to the prediction, folded. Returns how many of these
+// corrections are larger than rounding explains.
 constexpr std::uint64_t rounding = 16;
 template <bool multiplies>
 std::size_t predict(const GridScale& scale, std::span<const std::uint64_t> bits, std::uint64_t* multiples,
@@ -111,8 +112,8 @@ void restore(const GridScale& scale, std::span<std::uint64_t> numbers, const std
 
 }  // namespace
 
-// The least scale that goes with a sample, to which values are added that it misses. A few may miss it: those that mean
-// that there is no value.
+// The least scale that fits a sample of the values. Values that the scale misses are added to the sample, and the
+// search goes on. A few values may be missed: those that mark a missing value.
 std::optional<GridScale> ColumnBlocks::find_scale() {
   constexpr std::size_t sampled = 64, learnt_at_most = 16;
   const std::size_t rows = numbers_.size();
@@ -167,7 +168,7 @@ const char* ColumnBlocks::take_doubles(std::span<const std::byte>& block, std::s
     for (std::uint64_t& number : numbers) number = unordered(number);
     return nullptr;
   }
-  // No integer that a double could not hold.
+  // Integers that a double cannot hold are refused.
   std::uint64_t wide = 0;
   constexpr std::uint64_t reach = std::uint64_t{1} << 53u;
   for (const std::uint64_t number : numbers) wide |= ((number ^ sign) + reach) & ~(2 * reach - 1);

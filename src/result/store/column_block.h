@@ -1,4 +1,4 @@
-// Blocks of one column of a file of points: up to block_rows values of one type, bit for bit.
+// Packs columns of a file of points in blocks of up to block_rows values of one type. No bit is lost.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace tessera::store {
 
-// Values in memory, `stride` bytes from one to the next, at any address.
+// A column of values in memory, at any address, with `stride` bytes from one value to the next.
 template <class Byte>
 struct ColumnOf {
   AttributeType type = AttributeType::f64;
@@ -30,10 +30,11 @@ using ColumnRoom = ColumnOf<std::byte>;
 
 class ColumnBlocks {
  public:
-  // REQUIRES: 1 to block_rows rows. Equal values make equal bytes, with one version of zstd.
+  // Appends the column to `to` as one block. Equal values give equal bytes with the same version of zstd. REQUIRES: 1
+  // to block_rows rows.
   void append(const Column& column, BigVector<std::byte>& to);
-  // Reads back what append() made of as many values of the type: all of `block`. What is wrong with it, as the end of a
-  // sentence; null when nothing is.
+  // Reads a block that append() made of as many values of the same type. Uses all of `block`. Returns null, or what is
+  // wrong with the block, as the end of a sentence.
   const char* take(std::span<const std::byte> block, const ColumnRoom& column);
 
  private:

@@ -12,7 +12,7 @@
 namespace tessera::store {
 namespace {
 
-// `count` bits as they stand in the stream: codes from their highest bit on, numbers from their lowest.
+// `count` bits as they are in the stream: codes begin with their highest bit, numbers with their lowest.
 struct Bits {
   std::uint32_t bits = 0, count = 0;
 };
@@ -38,7 +38,8 @@ struct Codes {
   std::array<Bits, match_max + 1> length;
 };
 
-// 3.2.5: lengths from 3 on, four symbols for each number of extra bits, eight for none; 258 has its own.
+// RFC 1951, 3.2.5: lengths from 3 on, with four symbols for each number of extra bits, and eight for none; 258 has its
+// own symbol.
 constexpr Codes codes = [] {
   Codes all{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) all.literal[byte] = symbol(byte);
@@ -78,7 +79,7 @@ class BitWriter {
   std::uint32_t count_ = 0;
 };
 
-// How many bytes from `at` on equal those `distance` before them.
+// The number of bytes from `at` on that equal the bytes `distance` before them.
 std::size_t run(std::span<const std::byte> bytes, std::size_t at, std::size_t distance) {
   const std::size_t begin = at;
   for (std::uint64_t now = 0, before = 0; at + sizeof now <= bytes.size(); at += sizeof now) {
@@ -90,7 +91,7 @@ std::size_t run(std::span<const std::byte> bytes, std::size_t at, std::size_t di
   return at - begin;
 }
 
-// Of at least match_min bytes; no piece may be shorter either.
+// Writes a run of at least match_min bytes in pieces, none of them shorter than match_min.
 void put_run(BitWriter& out, std::size_t size, Bits distance) {
   const auto put = [&](std::size_t length) {
     out.put(codes.length[length]);
@@ -116,7 +117,7 @@ std::vector<std::byte> deflate_runs(std::span<const std::byte> bytes, std::size_
   BlockSum sum;
   sum.add(bytes);
   const Bits distance = code(static_cast<std::uint32_t>(size) - 1, 5);
-  std::vector<std::byte> packed(2 + bytes.size() * 9 / 8 + 16);  // 9 bits a byte at most
+  std::vector<std::byte> packed(2 + bytes.size() * 9 / 8 + 16);  // at most 9 bits a byte
   packed[0] = std::byte{0x78};
   packed[1] = std::byte{0x01};
   BitWriter out(packed.data() + 2);

@@ -12,14 +12,14 @@ namespace tessera {
 
 namespace {
 
-// The first digits of pi behind the point: nobody has chosen them.
+// The first digits of pi after the point: numbers that were not chosen to any end.
 constexpr std::uint64_t keys[4] = {0x243f6a8885a308d3, 0x13198a2e03707344, 0xa4093822299f31d0, 0x082efa98ec4e6c89};
 
-// Seeds keep cells and vertices of either dimension apart.
+// The seeds differ for cells and vertices, and for 2D and 3D.
 constexpr XXH64_hash_t vertex_seed(int dimension) { return static_cast<XXH64_hash_t>(2 * dimension); }
 constexpr XXH64_hash_t cell_seed(int dimension) { return static_cast<XXH64_hash_t>(2 * dimension + 1); }
 
-// Size and seed are known where it is inlined: most of the hash's work is then done by the compiler.
+// Size and seed are known when this is inlined, so the compiler does most of the hash's work.
 template <XXH64_hash_t seed, class Record>
 [[gnu::always_inline]] inline Digest hash(const Record& record) {
   static_assert(std::endian::native == std::endian::little);
@@ -27,7 +27,7 @@ template <XXH64_hash_t seed, class Record>
   return {value.low64, value.high64};
 }
 
-// The low word of a product of 128 bits and the high one, in one.
+// The exclusive or of the two halves of the 128-bit product.
 [[gnu::always_inline]] inline std::uint64_t folded(std::uint64_t a, std::uint64_t b) {
   const XXH128_hash_t product = XXH_mult64to128(a, b);
   return product.low64 ^ product.high64;

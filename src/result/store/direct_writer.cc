@@ -16,8 +16,8 @@
 namespace tessera::store {
 namespace {
 
-constexpr std::size_t hashed_bytes = std::size_t{128} << 10;  // at a time, while they are in the second-level cache
-constexpr std::size_t alignment = 4096;                       // what disks and file systems ask for at most
+constexpr std::size_t hashed_bytes = std::size_t{128} << 10;  // at a time, while in the second-level cache
+constexpr std::size_t alignment = 4096;                       // the most that disks and file systems ask for
 
 constexpr std::uint64_t whole_pieces(std::uint64_t bytes) { return bytes / sum_piece_bytes * sum_piece_bytes; }
 
@@ -39,9 +39,9 @@ DirectWriter::DirectWriter(FileHandle file, std::filesystem::path final_name, bo
 Result<DirectWriter> DirectWriter::open(const std::filesystem::path& path, const std::filesystem::path& final_name,
                                         int flags, const char* what, std::stop_token stop) {
   bool direct = true;
-  flags |= O_CLOEXEC | O_NONBLOCK;  // nobody is waited for who might read it
+  flags |= O_CLOEXEC | O_NONBLOCK;  // O_NONBLOCK: opening a pipe must not wait for a reader
   FileHandle file(::open(path.c_str(), flags | O_DIRECT, 0666));
-  if (file.get() < 0 && errno == EINVAL) {  // tmpfs and some network file systems always go through the cache
+  if (file.get() < 0 && errno == EINVAL) {  // tmpfs and some network file systems always use the cache
     direct = false;
     file = FileHandle(::open(path.c_str(), flags, 0666));
   }
@@ -88,7 +88,7 @@ Status DirectWriter::append(std::span<const std::byte> bytes, BlockSum& sum) {
 }
 
 Status DirectWriter::skip_to(std::uint64_t offset) {
-  // Where early cells stand depends on what was put down of them.
+  // The offset of early cells comes from a scratch file, so it may be wrong.
   if (offset < offset_ + filled_)
     return error(Errc::corrupt, final_name_.string() + ": what was written of it overlaps");
   if (const std::uint64_t piece = whole_pieces(offset); piece != offset_) {
@@ -114,7 +114,7 @@ Result<DirectWriter::Begun> DirectWriter::pause() {
 
 Result<DirectWriter::Written> DirectWriter::finish() {
   if (known_ > filled_) return error(Errc::corrupt, final_name_.string() + ": what was written of it is too long");
-  // The last piece is no multiple of the alignment.
+  // The last piece is not a multiple of the alignment.
   if (filled_ % alignment != 0 && direct_ && !leave_direct()) return io_error(final_name_, "cannot write", errno);
   if (filled_ > 0) {
     BOOST_OUTCOME_TRYV(write_piece());
@@ -127,7 +127,7 @@ Status DirectWriter::close() {
   return file_.close() ? Status(success()) : Status(io_error(final_name_, "cannot write", errno));
 }
 
-// What stands there already is read, as pieces are written as a whole.
+// Reads what the file has of the piece already, because pieces are written as a whole.
 Status DirectWriter::begin_piece(std::uint64_t offset) {
   offset_ = offset;
   filled_ = hashed_ = known_ = 0;
@@ -143,7 +143,7 @@ Status DirectWriter::begin_piece(std::uint64_t offset) {
   return success();
 }
 
-// With what stood there behind them.
+// Writes the piece, followed by the bytes that the file had there before.
 Status DirectWriter::write_piece() {
   throw_if_stopped(stop_);
   fill_up_to(std::max(filled_, known_));
@@ -154,7 +154,7 @@ Status DirectWriter::write_piece() {
     const auto n = ::pwrite(file_.get(), piece_.get() + done, filled_ - done, static_cast<off_t>(offset_ + done));
     if (n >= 0) {
       done += static_cast<std::size_t>(n);
-      // A short write may end anywhere; a full disk shows in the next call.
+      // A short write may end anywhere. If the disk is full, the next call says so.
       if (done % alignment != 0 && done < filled_ && direct_ && !leave_direct()) break;
     } else if (errno == EINVAL && direct_) {  // a disk with larger blocks
       if (!leave_direct()) break;
@@ -165,7 +165,7 @@ Status DirectWriter::write_piece() {
   if (done < filled_) return io_error(final_name_, "cannot write", errno);
   static const std::uint64_t zeros = checksum(std::vector<std::byte>(sum_piece_bytes));
   const std::size_t number = offset_ / sum_piece_bytes;
-  if (begun_.sums.size() <= number) begun_.sums.resize(number + 1, zeros);  // what was passed over
+  if (begun_.sums.size() <= number) begun_.sums.resize(number + 1, zeros);  // pieces that were passed over
   begun_.sums[number] = XXH3_64bits_digest(hash_.get());
   return success();
 }
@@ -175,7 +175,7 @@ void DirectWriter::hash_filled() {
   hashed_ = filled_;
 }
 
-// By what stood there before, and zeros.
+// Fills with the bytes that the file had before, then with zeros.
 void DirectWriter::fill_up_to(std::size_t end) {
   if (const std::size_t from = std::max(filled_, known_); from < end) std::memset(piece_.get() + from, 0, end - from);
   filled_ = std::max(filled_, end);

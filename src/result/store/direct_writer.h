@@ -1,6 +1,6 @@
-// Writes a file past the page cache: a result is written once and not read again soon, and fresh pages for it cost more
-// than the disk does (docs/benchmarks.md). From its beginning to its end, or with places left out that another writer
-// fills later. Tells size and checksum on the way.
+// Writes a file past the page cache. A result is written once and not read again soon, and fresh pages for it cost more
+// than the disk does (docs/benchmarks.md). Bytes are appended from the beginning to the end, but gaps may be left,
+// which another writer fills later. Computes the size and the checksum on the way.
 #pragma once
 
 #include <cstdint>
@@ -22,32 +22,32 @@ namespace tessera::store {
 
 class DirectWriter {
  public:
-  // What is there of a file that is not finished: its bytes, and the checksum of each of its pieces.
+  // The state of an unfinished file: its bytes, and the checksum of each of its pieces.
   struct Begun {
     std::uint64_t bytes = 0;
     std::vector<std::uint64_t> sums;
   };
-  // Writes a new file, or goes on with what pause() has left of it. Error messages name `final_name`, which `path` is a
-  // temporary name of. Whoever appends soon gets the exception Stopped once `stop` is requested.
+  // create() begins a new file; go_on() continues a file that pause() has left. `path` is a temporary name; error
+  // messages have `final_name`. After `stop` is requested, append() soon throws Stopped.
   static Result<DirectWriter> create(const std::filesystem::path& path, const std::filesystem::path& final_name,
                                      std::stop_token stop = {});
   static Result<DirectWriter> go_on(const std::filesystem::path& path, const std::filesystem::path& final_name,
                                     Begun begun, std::stop_token stop = {});
 
   Status append(std::span<const std::byte> bytes);
-  // The same, and adds them to `sum` on the way.
+  // Appends, and adds the bytes to `sum` on the way.
   Status append(std::span<const std::byte> bytes, BlockSum& sum);
-  // What is appended next stands there. What is passed over is left as it was; in a new file it is zeros.
-  // Error corrupt when it is before the last byte that was appended.
+  // Sets the offset of the next append(). Bytes that are passed over keep their values; in a new file they are zeros.
+  // Error corrupt when `offset` lies before the end of what was appended.
   Status skip_to(std::uint64_t offset);
 
-  // Each writes what is left and closes the file.
+  // pause() and finish() write what is left and close the file.
   Result<Begun> pause();
   struct Written {
     std::uint64_t bytes = 0;
-    std::uint64_t xxh3 = 0;  // checksum_file() of its pieces
+    std::uint64_t xxh3 = 0;  // checksum_file() with SumOf::pieces
   };
-  // Error corrupt when more was there than has been appended.
+  // Error corrupt when the file had more bytes than have been appended.
   Result<Written> finish();
 
  private:
@@ -74,11 +74,11 @@ class DirectWriter {
   bool direct_;
   std::stop_token stop_;
   Begun begun_;
-  std::unique_ptr<XXH3_state_s, FreeState> hash_;  // of the piece
+  std::unique_ptr<XXH3_state_s, FreeState> hash_;  // state of the piece's checksum
   std::unique_ptr<std::byte[], FreePiece> piece_;
   std::uint64_t offset_ = 0;             // of the piece in the file
-  std::size_t filled_ = 0, hashed_ = 0;  // bytes of it
-  std::size_t known_ = 0;                // bytes that stood there before, at most those of the piece
+  std::size_t filled_ = 0, hashed_ = 0;  // bytes of the piece
+  std::size_t known_ = 0;                // bytes of the piece that the file had before
 };
 
 }  // namespace tessera::store

@@ -1,4 +1,4 @@
-// duplicates.bin while it is written: there may be more pairs than fit into memory.
+// Writes duplicates.bin, with pairs that may not fit into memory.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@ struct WrittenPairs {
   std::uint64_t count = 0;
   std::uint64_t xxh3 = 0;  // XXH3-64 of the file; 0 when there is none
 };
-// Writes the pairs, ascending, or removes the file of an earlier result when there are none. Ends the sorter's life.
+// Writes the pairs in ascending order. Without pairs, removes the file of an earlier result. `pairs` cannot be used
+// afterwards.
 Result<WrittenPairs> write_duplicates(const std::filesystem::path& out, DuplicateSort& pairs);
 
 }  // namespace tessera::store

@@ -45,7 +45,7 @@ Result<TileHeader> header_of(TileId tile, int dimension, const StoreOptions& opt
 
 namespace store {
 
-// With the longest numbers that a header can have.
+// Assumes the longest numbers that a header can have.
 EarlyPlaces early_places(const TileHeader& header, std::uint64_t room) {
   TileHeader longest = header;
   longest.points = longest.cells = std::numeric_limits<std::uint32_t>::max();

@@ -1,4 +1,4 @@
-// Sorts more records than fit into memory: sorted runs in unnamed files, merged at the end.
+// Sorts more records than fit into memory: sorted runs in unnamed files are merged at the end.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace tessera {
 
-// Record: trivially copyable, with operator<. Its functions end soon after `stop` is requested, with the error
+// Record is trivially copyable and has operator<. After `stop` is requested, the functions soon return the error
 // interrupted.
 template <class Record>
 class ExternalSort {
@@ -38,7 +38,7 @@ class ExternalSort {
       if (buffer_.size() >= capacity_) {
         BOOST_OUTCOME_TRYV(spill());
       } else {
-        // Half as much again, not twice: while it moves, old and new are held.
+        // Grows by half, not by two: while the buffer moves, old and new memory are both held.
         buffer_.reserve(std::min<std::uint64_t>(capacity_, std::max<std::uint64_t>(1024, buffer_.size() * 3 / 2)));
       }
     }
@@ -46,7 +46,8 @@ class ExternalSort {
     return success();
   }
 
-  // Calls `visit(record)` for all records in order, until it returns an error. Ends the sorter's life.
+  // Calls `visit(record)` for all records in order, until `visit` returns an error. The sorter cannot be used
+  // afterwards.
   template <class Visit>
   Status for_each(Visit&& visit) {
     if (runs_.empty()) {
@@ -75,7 +76,7 @@ class ExternalSort {
   class Cursor {
    public:
     Cursor(const Run& run, std::size_t records) : run_(&run), buffer_(records) {}
-    // False at the end of the run.
+    // Moves to the next record; false at the end of the run.
     Result<bool> next() {
       if (++at_ < filled_) return true;
       const auto wanted = std::min<std::uint64_t>(buffer_.size(), run_->records - done_);
@@ -154,8 +155,8 @@ class ExternalSort {
   std::vector<Run> runs_;
 };
 
-// Groups of records for which `same(a, b)` holds, as they come in order: `visit(span)` for each. A group is as large as
-// a damaged file makes it, so it is cut at `group_max` records, which is more than any sound result has.
+// Calls `visit(span)` for each group of successive records for which `same(a, b)` holds. A damaged file can make a
+// group as large as it likes. So groups are cut at `group_max` records, which is more than any sound result has.
 template <class Record, class Same, class Visit>
 Status for_each_group(ExternalSort<Record>& sorted, std::size_t group_max, Same same, Visit visit) {
   std::vector<Record> group;

@@ -1,4 +1,4 @@
-// The end of a result: the master file, the duplicates, and the manifest last.
+// The end of a result: writes the master file, the duplicates, and the manifest last.
 #include <unistd.h>
 
 #include <algorithm>

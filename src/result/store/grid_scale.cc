@@ -11,10 +11,10 @@ namespace tessera::store {
 namespace {
 
 constexpr std::array<double, 5> factors{1, 2, 4, 5, 8};
-constexpr std::uint8_t decimals = 50;  // codes 1 to 50: factor f of 10^j is 1 + 5 j + f
-constexpr int first_power = 4;         // 2^4 to 2^53 are codes 51 to 100: lower powers are among the decimals
+constexpr std::uint8_t decimals = 50;  // codes 1 to 50: 1 + 5 j + f is factor f of 10^j
+constexpr int first_power = 4;         // 2^4 to 2^53 have codes 51 to 100: lower powers are among the decimals
 constexpr std::uint8_t codes = 100;
-constexpr std::uint8_t multiplying = 128;  // added to the code
+constexpr std::uint8_t multiplying = 128;  // is added to the code
 
 struct Candidate {
   double scale = 0;
@@ -42,12 +42,12 @@ constexpr auto by_scale = [] {
   return sorted;
 }();
 
-// How well a prediction does.
+// How well a prediction fits.
 struct Fit {
   bool exact = true, near = true;
   std::uint64_t sum = 0;
   void add(double value, double predicted) {
-    constexpr std::uint64_t near_at_most = 4;  // units of the last place, both ways
+    constexpr std::uint64_t near_at_most = 4;  // units in the last place, in both directions
     const std::uint64_t off =
         folded(ordered(std::bit_cast<std::uint64_t>(value)) - ordered(std::bit_cast<std::uint64_t>(predicted)));
     exact &= off == 0 || value == 0;  // -0
@@ -66,7 +66,7 @@ std::optional<GridScale> GridScale::of_code(std::uint8_t code) {
 }
 
 std::optional<GridScale> GridFinder::next(std::span<const double> values) {
-  // Larger multiples come near to most doubles.
+  // Larger multiples come near to most doubles, so a good fit may be an accident.
   constexpr double no_accident = 0x1p42;
   if (std::ranges::none_of(values, &GridFinder::counts)) return {};
   while (next_ < by_scale.size()) {
@@ -74,10 +74,10 @@ std::optional<GridScale> GridFinder::next(std::span<const double> values) {
     const GridScale divides(candidate.code, candidate.scale, candidate.code > decimals);
     const GridScale multiplies(candidate.code + multiplying, candidate.scale, true);
     Fit by_division, by_product;
-    bool far = true;  // from accidents
+    bool far = true;  // too far from doubles for an accident
     for (const double value : values) {
       if (!counts(value)) continue;
-      if (!counts(value * candidate.scale)) return {};  // and with all larger scales
+      if (!counts(value * candidate.scale)) return {};  // larger scales are out of range, too
       const std::int64_t k = divides.multiple(value);
       by_division.add(value, divides.prediction(k));
       by_product.add(value, multiplies.prediction(k));

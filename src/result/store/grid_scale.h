@@ -1,4 +1,4 @@
-// Doubles that are multiples of a step, as decimals, LAS coordinates and pixels are: which step, and the multiples.
+// Finds the grid of doubles that are multiples of a step, such as decimals, LAS coordinates and pixels.
 #pragma once
 
 #include <cmath>
@@ -11,14 +11,14 @@
 
 namespace tessera::store {
 
-// A double is predicted from an integer k as k / scale, or as k times the double nearest to 1 / scale.
+// A scale predicts a double from an integer k: as k / scale, or as k times the double nearest to 1 / scale.
 class GridScale {
  public:
-  // The number under which files know it, from 1 on; nothing for other numbers.
+  // The scale that files store under this code, from 1 on; nothing for other codes.
   static std::optional<GridScale> of_code(std::uint8_t code);
   std::uint8_t code() const { return code_; }
 
-  // The integer whose prediction is nearest; 0 for what is out of reach. |k| <= 2^53.
+  // The integer k whose prediction is nearest, |k| <= 2^53; 0 when the value is out of range.
   std::int64_t multiple(double value) const {
     const double v = value * scale_;
     if (!(std::abs(v) < 0x1p53)) return 0;
@@ -27,7 +27,7 @@ class GridScale {
   double prediction(std::int64_t k) const {
     return multiplies_ ? static_cast<double>(k) * step_ : static_cast<double>(k) / scale_;
   }
-  bool multiplies() const { return multiplies_; }  // with powers of two, too: it is the same
+  bool multiplies() const { return multiplies_; }  // also true for powers of two, where it makes no difference
   double scale() const { return scale_; }
   double step() const { return step_; }
 
@@ -40,11 +40,12 @@ class GridScale {
   bool multiplies_;
 };
 
-// Tries one scale after the other, the least first.
+// Tries one scale after the other, the smallest first.
 class GridFinder {
  public:
-  // The next scale all of whose predictions of these values are right, or nearly so and no accident. Values that are
-  // not finite, or too large for any, do not count. Nothing when there is none, or no value counts.
+  // The next scale whose predictions of all values are right, or so nearly right that this is no accident. Values that
+  // are not finite, or too large for any scale, are ignored. Nothing when there is no such scale, or all values are
+  // ignored.
   std::optional<GridScale> next(std::span<const double> values);
   static bool counts(double value) { return value > -0x1p53 && value < 0x1p53; }
 
@@ -52,7 +53,7 @@ class GridFinder {
   std::size_t next_ = 0;
 };
 
-// The bits of doubles as numbers that are ordered as the doubles are, -0 before +0, NaNs at both ends; and back.
+// Maps the bits of doubles to numbers with the same order, and back. -0 comes before +0, and NaNs are at both ends.
 constexpr std::uint64_t ordered(std::uint64_t bits) { return bits ^ (sign_of(bits) | std::uint64_t{1} << 63u); }
 constexpr std::uint64_t unordered(std::uint64_t number) {
   return number ^ (~sign_of(number) | std::uint64_t{1} << 63u);

@@ -11,17 +11,17 @@ namespace tessera::store {
 
 namespace {
 
-// What is taken off: the least number of the block, or of each number the one before it.
+// What is subtracted: the least number of the block, or from each number the one before it.
 enum class Relative : std::uint8_t { to_least, to_previous };
 
 struct BlockHead {
   Relative relative;
   std::uint8_t planes;
-  std::uint64_t base;  // the least, or the first
+  std::uint64_t base;  // the least number, or the first
 };
 constexpr std::size_t head_bytes = 10;
 
-// n log2(n) in 1/1024, rounded down: by integers, so that every machine decides alike.
+// n log2(n) in units of 1/1024, rounded down. Computed with integers, so that every machine decides alike.
 constexpr std::size_t sampled_at_most = 2048;
 constexpr std::array<std::uint32_t, sampled_at_most + 1> make_entropy_table() {
   std::array<std::uint32_t, sampled_at_most + 1> table{};
@@ -39,20 +39,20 @@ constexpr std::array<std::uint32_t, sampled_at_most + 1> make_entropy_table() {
 }
 constexpr auto entropy_table = make_entropy_table();
 
-// What the planes of a sample hold.
+// Counts the bytes in the planes of a sample.
 class PlaneCosts {
  public:
   void add(std::uint64_t number) {
     ++added_;
     for (std::size_t plane = 0; plane < planes_max; ++plane, number >>= 8u) ++counts_[plane][number & 0xffu];
   }
-  // What they would cost, byte by byte, but for a constant: less is better.
+  // The cost of packing the planes byte by byte, up to a constant; less is better.
   std::int64_t cost() const {
     std::int64_t sum = 0;
     for (std::size_t plane = 0; plane < planes_max; ++plane) sum -= order(plane);
     return sum;
   }
-  // Bytes of nearly 8 bits, of which random ones show 7.91 in a sample as small as this.
+  // True for bytes with an entropy of nearly 8 bits. In a sample as small as this, random bytes show 7.91.
   bool is_noise(std::size_t plane) const {
     constexpr double bits = 7.8, all = 11;
     static_assert(std::size_t{1} << static_cast<unsigned>(all) == sampled_at_most);
@@ -75,7 +75,7 @@ struct Choice {
   std::array<bool, planes_max> noise{};
 };
 
-// By a sample of runs, spread evenly.
+// Chooses by a sample of runs, spread evenly over the block.
 Choice better(std::span<const std::uint64_t> numbers, std::uint64_t least) {
   constexpr std::size_t run = 32, runs = sampled_at_most / run;
   const std::size_t step = std::max(run, numbers.size() / runs);
@@ -101,7 +101,7 @@ bool all_equal(std::span<const std::uint64_t> numbers) {
   return differing == 0;
 }
 
-// All their bits.
+// Subtracts as `head` says. Returns the bitwise or of all results.
 std::uint64_t move(std::span<const std::uint64_t> numbers, const BlockHead& head, std::uint64_t* to) {
   std::uint64_t bits = 0;
   if (head.relative == Relative::to_least) {

@@ -24,11 +24,11 @@ namespace store {
 
 namespace {
 
-// Checksums stand under the names of their files.
+// The keys of checksums are the names of their files.
 const std::string master_key = master_file("").string();
 const std::string duplicates_key = duplicates_file("").string();
 
-// A digest of another definition stands under another key, and is passed over: "digest" was a hash of sorted ids.
+// Digests of another definition have another key, and are ignored: "digest" was a hash of sorted ids.
 constexpr const char* digest_key = "digest2";
 
 ordered_json triple(const Point& p) { return {number(p.x), number(p.y), number(p.z)}; }
@@ -105,7 +105,7 @@ TileEntry to_entry(const json& value) {
   return entry;
 }
 
-// The members that make a partition. Whether the splits are a tree is for those to check who walk it.
+// The members that make a partition. Code that walks the splits must check that they are a tree.
 std::string partition_text(const json& value, const Manifest& manifest) {
   if (!value.contains("splits")) throw json::other_error::create(501, "the partition does not tell its splits", &value);
   if (to_count(value.at("dimension")) != static_cast<std::uint64_t>(manifest.dimension) ||
@@ -199,9 +199,9 @@ std::string manifest_to_text(const Manifest& manifest) {
   if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
-  // A path may be any bytes; what is not UTF-8 becomes U+FFFD rather than an exception.
+  // A path may be any bytes; bytes that are not UTF-8 become U+FFFD instead of an exception.
   const auto text = [](const ordered_json& part, int indent) { return json_text(part, indent); };
-  // A box and a tile are a line each, also among thousands.
+  // Each box and each tile gets a line of its own, even when there are thousands.
   const auto lines = [&](const auto& list, const std::string& indent, const auto& to_json) {
     std::string result = "[";
     for (const auto& element : list)
@@ -265,7 +265,7 @@ Result<Manifest> parse_manifest(const fs::path& path, std::span<const std::byte>
         "exports it; or triangulate again, for the file tells inputs and command");
   try {
     return store::to_manifest(value);
-  } catch (const json::exception& wrong) {  // a missing key, a wrong type: the library's way to tell
+  } catch (const json::exception& wrong) {  // a missing key or a wrong type
     return corrupt(std::string("is damaged: ") + wrong.what());
   }
 }

@@ -1,4 +1,4 @@
-// How the manifest and the tiles' side files are written down.
+// Writes the manifest, and the side files that list the stored tiles.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,12 @@
 
 namespace tessera::store {
 
-// The side file of a stored tile. Not synced: one that a power cut damaged means that the tile is made again.
+// Adds a stored tile to the side file of the node. The file is not synced: if a power cut damages a line, the tile is
+// made again.
 Status write_done(const std::filesystem::path& out, NodeId node, const TileEntry& entry);
-// The range with one more height; one that is no number, or infinite, changes nothing.
+// Extends the range to include `height`. Ignores heights that are not finite.
 void widen(std::optional<HeightRange>& range, double height);
-// Gives a tile's file its name, and the tile a line in the side file.
+// Renames a tile's file to its final name, and adds the tile to the side file.
 Status publish_tile(const std::filesystem::path& out, TemporaryFile& temporary, const TileEntry& entry,
                     const StoreOptions& options);
 std::string manifest_to_text(const Manifest& manifest);

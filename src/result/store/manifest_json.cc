@@ -62,7 +62,8 @@ ResultColumn to_column(const json& value) {
   return column;
 }
 
-// Those of vertices are the last of the schema, in the same order; a name is that of one column.
+// Checks the columns: those of vertices are the last attributes of the schema, in the same order, and no name comes
+// twice.
 void check_columns(const Manifest& manifest, const json& value) {
   std::vector<Attribute> of_vertices;
   std::vector<std::string> names;
@@ -121,7 +122,7 @@ AttributeType to_type(const json& value) {
 
 std::string to_name(const json& value) {
   auto name = value.at("name").get<std::string>();
-  // Exports name files by it; and no tile can have another one.
+  // Exports name files by it, and tile files cannot have such a name.
   if (name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
     throw wrong("an attribute's name holds a '/' or a zero byte", value);
   return name;

@@ -1,4 +1,4 @@
-// What must hold for the arrays of a tile that was read, in whatever format: every value that others use as an index.
+// Checks the values of a tile that was read, in any format: every value that other code uses as an index.
 #pragma once
 
 #include <functional>
@@ -9,12 +9,12 @@
 
 namespace tessera::store {
 
-// Makes the error of an array: "out/tiles/000042.vtu, PointData/id: reason". Places are "Points", "PointData/id", ...,
-// "Cells/connectivity".
+// Makes the error of an array: "out/tiles/000042.vtu, PointData/id: reason". A place is "Points", "PointData/id",
+// "Cells/connectivity", and so on.
 using CorruptArray = std::function<Error(const std::string& place, const std::string& reason)>;
 
-// Points are finite, flags are 0 or 1, vertices and neighbours exist, no cell has a vertex twice. REQUIRES: the arrays'
-// lengths fit together.
+// Checks that points are finite, flags are 0 or 1, vertices and neighbours exist, and no cell has a vertex twice.
+// REQUIRES: the lengths of the arrays agree.
 Status check_values(const TileMesh& mesh, const CorruptArray& corrupt);
 
 }  // namespace tessera::store

@@ -20,7 +20,8 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-// One for each thread: setting up zlib's quarter of a megabyte takes longer than deflating the arrays of a small tile.
+// One deflater a thread: setting up zlib's quarter of a megabyte takes longer than deflating the arrays of a small
+// tile.
 class Deflater {
  public:
   Deflater() {
@@ -52,7 +53,7 @@ Bytes deflate_block(std::span<const std::byte> bytes) {
   return deflater.deflate_all(bytes);
 }
 
-// So many bytes that come in any pieces, as blocks.
+// Writes `bytes` bytes, which come in any pieces, as blocks.
 class PlainBlocks {
  public:
   PlainBlocks(std::uint64_t bytes, DirectWriter& file) : left_(bytes), file_(file) {}
@@ -84,7 +85,7 @@ class PlainBlocks {
   }
 
  private:
-  std::uint64_t left_;  // behind the block
+  std::uint64_t left_;  // after the current block
   std::uint64_t block_ = 0, done_ = 0;
   BlockSum sum_;
   DirectWriter& file_;
@@ -134,7 +135,7 @@ PackedArray PackedArray::repeated(std::span<const std::byte> value, std::uint64_
 
 PackedArray PackedArray::offsets(std::uint64_t cells, int step, const std::stop_token& stop) {
   constexpr std::uint64_t entries = block_bytes / 4;
-  constexpr std::uint64_t kept_blocks = 1024;  // 16.8 million cells: 18 MB at most, of which large tiles use all
+  constexpr std::uint64_t kept_blocks = 1024;  // 16.8 million cells: 18 MB at most, which large tiles use entirely
   static std::mutex mutex;
   static std::map<std::pair<std::uint64_t, int>, Block> kept;
   PackedArray array;
@@ -150,7 +151,7 @@ PackedArray PackedArray::offsets(std::uint64_t cells, int step, const std::stop_
         continue;
       }
     }
-    // Made outside the lock: two threads may both make it, and one copy is dropped.
+    // Made outside the lock: two threads may both make the block, and one copy is dropped.
     auto made = std::make_shared<const Bytes>(offsets_block(first, std::min(entries, cells - first), step));
     if (keep) {
       const std::lock_guard lock(mutex);

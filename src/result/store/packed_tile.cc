@@ -32,7 +32,7 @@ std::uint64_t unpacked(const PackedTile::Packed& array, std::uint64_t block) {
   return std::min(block_bytes, array.bytes - block * block_bytes);
 }
 
-// REQUIRES: sizes fit together.
+// Reads a plain block; false when it is not one. REQUIRES: the sizes fit together.
 bool take_plain(std::span<const std::byte> from, std::span<std::byte> to) {
   const auto equal = [&](const auto& expected, std::size_t at) {
     return std::ranges::equal(expected, from.subspan(at, expected.size()));
@@ -73,7 +73,7 @@ Status PackedTile::open() {
   return success();
 }
 
-// False when the file ends before.
+// Returns false when the file ends before.
 Result<bool> PackedTile::read_at(std::uint64_t offset, std::span<std::byte> buffer) const {
   BOOST_OUTCOME_TRY(read, read_up_to(file_.get(), buffer, offset, path_));
   return read == buffer.size();
@@ -103,8 +103,8 @@ Status PackedTile::read_header(TileId tile) {
   return success();
 }
 
-// Arrays stand anywhere between the header and the footer, which follows the last one; in format 2 end to end, in the
-// header's order.
+// Arrays may be anywhere between the header and the footer, which follows the last one. In format 2 they are end to
+// end, in the header's order.
 Status PackedTile::read_tables() {
   struct Extent {
     std::uint64_t begin, end;
@@ -159,7 +159,7 @@ Status PackedTile::read_blocks(const Packed& array, std::span<std::byte> values)
   const auto damaged = [&](std::uint64_t block) {
     return corrupt(place_of(array.info), "block " + std::to_string(block) + " is damaged");
   };
-  constexpr std::uint64_t at_once = 16;  // a megabyte a call
+  constexpr std::uint64_t at_once = 16;  // tables are read a megabyte at a time
   std::vector<std::byte> buffer;
   std::uint64_t at = array.begin;
   for (std::uint64_t first = 0; first < array.sizes.size(); first += at_once) {

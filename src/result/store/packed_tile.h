@@ -1,4 +1,4 @@
-// A tile file as packed arrays: where they stand, and their bytes. What the numbers in them mean is others' to check.
+// A tile file as packed arrays: their places and their bytes. The values in the arrays are not checked here.
 #pragma once
 
 #include <cstddef>
@@ -18,26 +18,26 @@ namespace tessera::store {
 
 class PackedTile {
  public:
-  // An array in the file.
+  // An array of the file.
   struct Packed {
     ArrayInfo info;
     std::uint64_t bytes = 0;           // unpacked
-    std::uint64_t table = 0;           // where it begins
-    std::uint64_t begin = 0;           // of the first block
-    std::uint64_t end = 0;             // behind the last one
+    std::uint64_t table = 0;           // offset of the table
+    std::uint64_t begin = 0;           // offset of the first block
+    std::uint64_t end = 0;             // end of the last block
     std::vector<std::uint64_t> sizes;  // of the blocks
   };
 
-  // Reads header and tables. Error corrupt when no tile can have them.
+  // Opens the file and reads header and tables. Error corrupt when no tile can have them.
   static Result<PackedTile> open(const std::filesystem::path& path, TileId tile);
 
   const TileHeader& header() const { return header_; }
   const std::vector<Packed>& arrays() const { return arrays_; }  // in the header's order
 
-  // "out/tiles/000042.vtu, PointData/id: reason"
+  // Makes the error "out/tiles/000042.vtu, PointData/id: reason".
   Error corrupt(const std::string& place, const std::string& reason) const;
 
-  // REQUIRES: every tile has the array.
+  // Reads an array. REQUIRES: every tile has the array.
   template <class List>
   Status read_array(Section section, std::string_view name, List& values) const {
     return read_array(find(section, name), values);
@@ -49,7 +49,7 @@ class PackedTile {
     return read_blocks(array, std::as_writable_bytes(std::span(values)));
   }
 
-  // The array as it stands in the file, table and blocks. Nothing in it is checked.
+  // Reads a part of the array as it stands in the file, table and blocks. Nothing in it is checked.
   Status read_raw(const Packed& array, std::uint64_t offset, std::span<std::byte> buffer) const;
 
  private:

@@ -1,4 +1,4 @@
-// The blocks of a file of points: where the values of a column stand in memory, and how blocks are made of them.
+// Blocks of a file of points: where the values of a column are in memory, and how they become blocks.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace tessera::store {
 
-// Of a column of points. `tile`: a PointsTile, or a view of one.
+// Finds the values of a column. `tile` is a PointsTile or a view of one.
 template <class Byte, class Tile>
 ColumnOf<Byte> place_in(Tile& tile, std::size_t stride_of_rows, const PointsColumn& column) {
   using What = PointsColumn::What;
@@ -38,7 +38,7 @@ ColumnOf<Byte> place_in(Tile& tile, std::size_t stride_of_rows, const PointsColu
   return at(tile.rows.data(), offset, stride_of_rows);
 }
 
-// Appends the next column to the blocks of a file, and tells the head of them.
+// Appends the next column to the blocks of a file, and adds the blocks to the head.
 void append_column(const Column& values, ColumnBlocks& blocks, PointsHead& head, BigVector<std::byte>& to);
 
 }  // namespace tessera::store

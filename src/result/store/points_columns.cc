@@ -1,4 +1,4 @@
-// Files of points with more columns. New ones stand behind all others, whose blocks so keep their numbers and are
+// Adds columns to files of points. New columns come after all others, so the old blocks keep their numbers and are
 // copied.
 #include <algorithm>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace tessera::store {
 
 namespace {
 
-// Foreign points stand in the file as a kernel takes them best; their values come by id.
+// In the file, foreign points are in the order that suits a kernel; their values come in the order of ids.
 BigVector<std::byte> as_in_file(std::span<const std::byte> values, std::size_t size,
                                 const std::vector<std::uint32_t>& places) {
   BigVector<std::byte> moved(values.size());

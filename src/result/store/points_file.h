@@ -1,4 +1,4 @@
-// tiles/NNNNNN.pts: a tile as its points, packed. FORMAT.md gives its grammar.
+// Reads and writes tiles/NNNNNN.pts: a tile as its points, packed. FORMAT.md has the grammar.
 #pragma once
 
 #include <cstddef>
@@ -14,29 +14,30 @@
 
 namespace tessera {
 
-// The whole file of a tile without columns of cells. Equal tiles make equal bytes, with one version of zstd. REQUIRES:
-// at most 2^31 points, and cells.
+// The whole file of a tile without columns of cells. Equal tiles give equal bytes with the same version of zstd.
+// REQUIRES: at most 2^31 points, and at most 2^31 cells.
 BigVector<std::byte> points_file_bytes(const PointsTileView& tile);
 
-// What is read of a file beside the points.
+// Selects what is read of a file in addition to the points.
 struct PointsParts {
   bool rows = true;
   bool cell_columns = true;
 };
 
-// Each of them reads no more of the file than it needs. Errors: io; corrupt when it is not the file of this tile, or
-// anything that was looked at cannot be. Memory is taken in proportion to the numbers of points and cells, for which
-// the file has blocks; a block may be small. Who does not trust a file, and knows how many it should have, looks at its
-// head first.
+// Each of these functions reads no more of the file than it needs. Errors: io; corrupt when the file is not of this
+// tile, or when anything that was read is impossible. The memory needed is proportional to the numbers of points and
+// cells, for which the file has blocks. But a block may be small. So a caller that does not trust the file, and knows
+// the right numbers, reads the head first.
 Result<store::PointsHead> read_points_head(const std::filesystem::path& path, TileId tile);
 Result<PointsTile> read_points_file(const std::filesystem::path& path, TileId tile, const PointsParts& parts);
-// Of the own points, in the file's order.
+// Reads the source indices of the own points, in the file's order.
 Result<std::vector<PointId>> read_own_point_ids(const std::filesystem::path& path, TileId tile);
 
-// All of a file in memory; `name` is for errors.
+// Reads a file that is in memory; `name` is for errors.
 Result<PointsTile> parse_points_file(std::span<const std::byte> bytes, const std::filesystem::path& name, TileId tile);
 
-// The places of points from the least id to the greatest: so foreign ones stand in a mesh, whatever the file's order.
+// The indices of the points in ascending order of their ids. Foreign points have this order in a mesh, whatever the
+// file's order.
 std::vector<std::uint32_t> by_id(std::span<const PointId> ids);
 
 }  // namespace tessera

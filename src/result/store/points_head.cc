@@ -17,7 +17,7 @@ namespace tessera::store {
 namespace {
 
 constexpr std::string_view magic = "Tessera points 2\n";
-// Behind the magic line.
+// The numbers after the magic line.
 struct Fixed {
   std::uint32_t head_bytes = 0, dimension = 0, tile = 0, own = 0, foreign = 0, cells = 0, named = 0;
 };

@@ -1,4 +1,4 @@
-// What a file of points begins with: what is in it, and where. FORMAT.md gives its grammar.
+// The head of a file of points: what the file has, and where. FORMAT.md has the grammar.
 #pragma once
 
 #include <cstddef>
@@ -19,44 +19,46 @@ struct PointsColumn {
   enum class Of : std::uint8_t { own, foreign, cells };
   What what = What::x;
   Of of = Of::own;
-  std::size_t number = 0;  // of a named one, in PointsHead::schema() or cell_schema()
+  std::size_t number = 0;  // for What::named: index in PointsHead::schema() or cell_schema()
   AttributeType type = AttributeType::f64;
   std::uint64_t rows = 0;
-  std::uint64_t first_block = 0, blocks = 0;  // in the table
+  std::uint64_t first_block = 0, blocks = 0;  // in the table of blocks
 };
 
 struct PointsHead {
   struct Block {
     std::uint32_t bytes = 0;
-    std::uint64_t xxh3 = 0;  // seeded with its number
+    std::uint64_t xxh3 = 0;  // seeded with the block's number
   };
   int dimension = 3;
   TileId tile;
   std::uint64_t own = 0, foreign = 0, cells = 0;
   struct Named {
-    bool of_cells = false;  // else of the points: an attribute
+    bool of_cells = false;  // else an attribute of the points
     Attribute as;
   };
-  std::vector<Named> named;   // in the order in which they came: each behind all that was there
-  std::vector<Block> blocks;  // end to end behind the head
+  std::vector<Named> named;   // in the order in which they were added
+  std::vector<Block> blocks;  // end to end, after the head
 
   std::vector<Attribute> schema() const;       // of the points
   std::vector<Attribute> cell_schema() const;  // of the cells
-  // In the file's order: without some of the named ones that came last, it is a beginning.
+  // All columns in the file's order. Without some of the named columns that were added last, the list is a prefix.
   std::vector<PointsColumn> columns() const;
   std::uint64_t block_count() const;
   std::uint64_t bytes() const;  // of the head
-  // "own points, x", "cells, column 'volume'"
+  // Names a column for errors: "own points, x" or "cells, column 'volume'".
   std::string place(const PointsColumn& column) const;
 };
 
 inline constexpr std::uint64_t points_rows_max = std::uint64_t{1} << 31u;
 
-// REQUIRES: head.blocks are block_count(), and `to` has head.bytes(). Tests forge others, of another size.
+// REQUIRES: head.blocks has block_count() elements, and `to` has head.bytes() bytes. Tests write other sizes to forge
+// files.
 void write_points_head(const PointsHead& head, std::span<std::byte> to);
 
-// `bytes`: a beginning of a file of `file_bytes`. How many bytes of it are needed, when these are too few; or what is
-// wrong with them, as the end of a sentence. Memory is taken in proportion to `bytes`.
+// Parses the head of a file of `file_bytes` bytes; `bytes` is a prefix of the file. Returns the head; or the number of
+// bytes that are needed, when these are too few; or what is wrong, as the end of a sentence. The memory needed is
+// proportional to `bytes`.
 using ParsedHead = std::variant<PointsHead, std::uint64_t, std::string>;
 ParsedHead parse_points_head(std::span<const std::byte> bytes, std::uint64_t file_bytes);
 

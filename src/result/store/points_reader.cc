@@ -83,7 +83,8 @@ Status PointsReader::read_points(const PointsParts& parts, PointsTile& tile) {
   if (!parts.rows) std::erase_if(columns, [](const PointsColumn& column) { return column.what == What::named; });
   for (const Of of : {Of::own, Of::foreign})
     for (std::uint64_t block = 0; block * block_rows < (of == Of::own ? head_.own : head_.foreign); ++block) {
-      // A block of each column before the next ones, for their values stand side by side.
+      // Reads a block of each column before the next block of any, because the columns' values are side by side in
+      // memory.
       for (const PointsColumn& column : columns) {
         if (column.of != of) continue;
         BOOST_OUTCOME_TRYV(read_block(column, block, place_in<std::byte>(tile, stride, column)));

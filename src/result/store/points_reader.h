@@ -1,5 +1,5 @@
-// Reads files of points. Nothing in a file is believed: its head and each block carry a checksum, memory is taken only
-// for points and cells that the file has blocks for, and every value that others rely on is checked.
+// Reads files of points. Nothing in a file is trusted: the head and each block have a checksum, memory is taken only
+// for points and cells for which the file has blocks, and every value that other code relies on is checked.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@
 
 namespace tessera::store {
 
-// The bytes of a file, on a disk or in memory.
+// The bytes of a file, on disk or in memory.
 class FileBytes {
  public:
   static Result<FileBytes> open(const std::filesystem::path& path);
@@ -30,7 +30,7 @@ class FileBytes {
 
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t bytes() const { return bytes_; }
-  // Until the next call. Fewer when the file ends before.
+  // The bytes at `offset`, valid until the next call. Fewer than asked for when the file ends before.
   Result<std::span<const std::byte>> at(std::uint64_t offset, std::uint64_t bytes);
 
  private:
@@ -45,15 +45,15 @@ class FileBytes {
 
 class PointsReader {
  public:
-  // Reads the head.
+  // Opens a file and reads its head.
   static Result<PointsReader> open(FileBytes file, TileId tile);
   static Result<PointsReader> open(const std::filesystem::path& path, TileId tile);
 
   const PointsHead& head() const { return head_; }
   Result<PointsTile> read(const PointsParts& parts);
-  // Of the own points, or of the foreign ones, in the file's order.
+  // Reads the ids of the own or of the foreign points, in the file's order.
   Result<std::vector<PointId>> read_ids(PointsColumn::Of of);
-  // All blocks as they are stored, piece by piece. Nothing in them is checked.
+  // Passes on all blocks as they are stored, piece by piece. Nothing in them is checked.
   Status read_raw(const std::function<Status(std::span<const std::byte>)>& take);
 
  private:
@@ -62,13 +62,13 @@ class PointsReader {
   Status read_head(TileId tile);
   Status read_points(const PointsParts& parts, PointsTile& tile);
   Status read_column(const PointsColumn& column, const ColumnRoom& room);
-  // `room`: of the whole column.
+  // `room` is the memory of the whole column.
   Status read_block(const PointsColumn& column, std::uint64_t block, const ColumnRoom& room);
   Status check_values(const PointsTile& tile, PointsColumn::Of of, std::uint64_t block) const;
 
   FileBytes file_;
   PointsHead head_;
-  std::vector<std::uint64_t> begins_;  // of the blocks
+  std::vector<std::uint64_t> begins_;  // offsets of the blocks
   ColumnBlocks blocks_;
 };
 

@@ -1,5 +1,5 @@
-// A tile kept as its points: its cells are those of the Delaunay triangulation of all of them that have a vertex of its
-// own, and can be made again.
+// A tile kept as its points. The tile's cells are those cells of the Delaunay triangulation of all these points that
+// have an own vertex, so they can be rebuilt.
 #pragma once
 
 #include <cstddef>
@@ -12,23 +12,24 @@
 
 namespace tessera {
 
-// n points: the tile's own ones in the order of the mesh, then foreign ones.
+// A tile of n points: the tile's own points in the order of the mesh, then foreign points.
 struct PointsTile {
   int dimension = 3;
   TileId tile;
   std::uint64_t own = 0;
   std::vector<Point> points;
   std::vector<PointId> ids;
-  std::vector<TileId> owners;  // of the own ones, `tile`
+  std::vector<TileId> owners;  // `tile` for the own points
   std::vector<Attribute> schema;
-  std::vector<std::byte> rows;  // n of the schema; or none, when they were not asked for
+  std::vector<std::byte> rows;  // n rows of the schema; empty when they were not asked for
   std::uint64_t cells = 0;      // that follow from the points
   std::vector<Attribute> cell_schema;
-  std::vector<std::vector<std::byte>> cell_columns;  // in its order, by cell in canonical order; or none, likewise
+  std::vector<std::vector<std::byte>> cell_columns;  // by column, then by cell in canonical order; may be empty
 };
 
-// The same, of whoever has it. REQUIRES: as of a PointsTile with rows; the schema is a stored_schema(); coordinates are
-// finite and not -0, and in 2D z is 0; owners of the own points, which nobody looks at, are the tile, and of no others.
+// A view of a tile that other code owns. REQUIRES: what holds for a PointsTile with rows; the schema is a
+// stored_schema(); coordinates are finite and not -0, and z is 0 in 2D; the owner of no foreign point is the tile.
+// Owners of the own points are not read.
 struct PointsTileView {
   int dimension = 3;
   TileId tile;
@@ -38,7 +39,7 @@ struct PointsTileView {
   std::span<const TileId> owners;
   const std::vector<Attribute>& schema;
   std::span<const std::byte> rows;
-  std::uint64_t cells = 0;  // of which nothing is said but how many they are
+  std::uint64_t cells = 0;  // their number is all that is known of the cells
 };
 
 inline PointsTileView view_of(const PointsTile& tile) {

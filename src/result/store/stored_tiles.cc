@@ -1,5 +1,6 @@
-// The side files by which a resumed run knows what is stored. Plain lines and not JSON, whose library takes memory to
-// destroy what it has read: they are written and read while tiles are at work, and memory may be short.
+// The side files by which a resumed run knows which tiles are stored. They have plain lines instead of JSON, because
+// the JSON library takes memory even to destroy what it has read. Side files are written and read while tiles are at
+// work, when memory may be short.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -26,9 +27,9 @@ namespace {
 
 constexpr const char* no_digest = "-";
 constexpr const char* no_heights = "-";
-constexpr const char* of_points = "points ";  // before all else of a tile kept as points
+constexpr const char* of_points = "points ";  // begins the line of a tile kept as points
 
-// Takes the next word off `rest`.
+// Removes the next word from `rest` and returns it.
 std::string_view take_word(std::string_view& rest) {
   const auto word = rest.substr(0, rest.find(' '));
   rest.remove_prefix(std::min(word.size() + 1, rest.size()));
@@ -48,15 +49,15 @@ bool take_number(std::string_view& rest, Number& value, int base = 10) {
   return failed == std::errc() && end == word.data() + word.size();
 }
 
-// So many digits that it is read back as the same.
+// As many digits as are needed to read the same value back.
 std::string shortest(double value) {
   std::array<char, 32> text;
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
-// Nothing when the line, without its end, is not what line_of() made.
+// Returns nothing when the line, without its end, is not one that line_of() made.
 std::optional<TileEntry> read_line(std::string_view line) {
-  constexpr std::size_t sum_bytes = 17;  // a space, the checksum
+  constexpr std::size_t sum_bytes = 17;  // a space and the checksum
   if (line.size() < sum_bytes) return std::nullopt;
   auto text = line.substr(0, line.size() - sum_bytes);
   if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text))))) return std::nullopt;
@@ -82,8 +83,8 @@ std::optional<TileEntry> read_line(std::string_view line) {
   return entry;
 }
 
-// Which of the entries, all of one tile, tells of a file that is there. A file that is missing, unreadable or damaged
-// is made again.
+// Returns an entry of a tile whose file exists and is intact, or null. `entries` are all of one tile. A tile whose file
+// is missing, unreadable or damaged is made again.
 const TileEntry* sound_of(const fs::path& out, std::span<const TileEntry> entries) {
   std::optional<std::pair<TileKind, std::uint64_t>> summed;  // the last file that was read
   for (const TileEntry& entry : entries) {
@@ -120,8 +121,8 @@ std::string line_of(const TileEntry& entry) {
 namespace store {
 
 Status write_done(const fs::path& out, NodeId node, const TileEntry& entry) {
-  // In one write, so that lines of several threads do not mix. It begins a line, whatever was left of the one before
-  // when a process ended in the middle of it.
+  // The line is written in one call, so that lines of several threads do not mix. It begins with a line end, because a
+  // process may have ended in the middle of the line before.
   const std::string line = "\n" + line_of(entry) + "\n";
   BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, node), DiskFile::Mode::append));
   BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
@@ -159,7 +160,7 @@ Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::func
   std::vector<TileEntry> stored;
   for (std::size_t i = 0, end = 0; i < entries.size(); i = end) {
     while (end < entries.size() && entries[end].tile == entries[i].tile) ++end;
-    const auto of_tile = std::span(entries).subspan(i, end - i);  // more than one when it was stored again
+    const auto of_tile = std::span(entries).subspan(i, end - i);  // more than one when the tile was stored again
     if (const auto* entry = sound_of(out, of_tile)) stored.push_back(*entry);
   }
   return stored;

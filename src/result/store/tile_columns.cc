@@ -17,14 +17,14 @@ namespace tessera::store {
 
 namespace {
 
-// The arrays of the new file.
+// The layout of the new file.
 struct Plan {
   TileHeader header;
-  std::vector<std::size_t> order;       // of the old arrays, as they stand in the file
+  std::vector<std::size_t> order;       // of the old arrays, as they follow each other in the file
   std::vector<std::size_t> new_places;  // of the columns, in the new header
 };
 
-// Old arrays stand where they stood, without gaps; columns behind them.
+// Old arrays keep their order, without gaps; the columns follow.
 Plan plan(const PackedTile& old, std::span<const ColumnValues> columns, const std::vector<PackedArray>& packed) {
   Plan plan{.header = old.header(), .order = {}, .new_places = {}};
   TileHeader& header = plan.header;
@@ -51,7 +51,8 @@ Plan plan(const PackedTile& old, std::span<const ColumnValues> columns, const st
   return plan;
 }
 
-// Cells of the file, in canonical order: that of their vertices. A few stretches of the file are in this order.
+// The indices of the file's cells in canonical order, which is that of their vertices. The file consists of a few
+// stretches that are in this order.
 Result<std::vector<std::uint32_t>> canonical_cells(const PackedTile& file) {
   std::vector<std::int32_t> vertices;
   BOOST_OUTCOME_TRYV(file.read_array(Section::cells, "connectivity", vertices));
@@ -70,7 +71,7 @@ Result<std::vector<std::uint32_t>> canonical_cells(const PackedTile& file) {
   return cells;
 }
 
-// Values of cells as these stand in the file.
+// The values of cells in the order that the cells have in the file.
 std::vector<std::byte> as_in_file(const ColumnValues& column, const std::vector<std::uint32_t>& canonical) {
   const std::size_t size = size_of(column.as.type);
   std::vector<std::byte> moved(column.values.size());

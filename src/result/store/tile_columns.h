@@ -1,4 +1,4 @@
-// Tile files with more arrays than they had.
+// Adds arrays to tile files.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,10 @@
 
 namespace tessera::store {
 
-// One value for each cell of a tile, or for each vertex, in the order of the tile that TileSource gives.
+// One value for each cell or each vertex of a tile, in the order in which TileSource returns the tile.
 struct ColumnValues {
   bool of_cells = false;
-  Attribute as;  // under a name that can be stored
+  Attribute as;  // the name can be stored
   std::span<const std::byte> values;
 };
 
@@ -24,16 +24,16 @@ struct TileCopy {
   TileId tile;
   std::filesystem::path from;
   std::filesystem::path to;          // a new file
-  std::filesystem::path final_name;  // that errors speak of
-  // Values of cells come in canonical order, in which those of large tiles do not stand in files.
+  std::filesystem::path final_name;  // name for errors
+  // The values of cells come in canonical order. In the files of large tiles the cells are not in this order.
   bool canonical = false;
 };
 
-// Writes the tile file with these columns behind those that it has. All other arrays are copied as they are stored.
-// Nothing in them is checked. Errors: corrupt, io; Stopped is thrown.
+// Writes a copy of the tile file with these columns after the arrays that it has. All other arrays are copied as they
+// are stored, unchecked. Errors: corrupt, io; throws Stopped.
 Result<DirectWriter::Written> copy_with_columns(const TileCopy& copy, std::span<const ColumnValues> columns,
                                                 const std::stop_token& stop);
-// The same of a tile that is kept as points, whose cells are always in canonical order.
+// The same for a tile that is kept as points, whose cells are always in canonical order.
 Result<DirectWriter::Written> copy_points_with_columns(const TileCopy& copy, std::span<const ColumnValues> columns,
                                                        const std::stop_token& stop);
 

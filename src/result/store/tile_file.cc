@@ -1,4 +1,5 @@
-// Writes one tile: a header of XML, then its arrays, from the first byte to the last; but for what was written early.
+// Writes a tile file: an XML header, then the arrays, from the first byte to the last, except for cells that were
+// written early.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -29,7 +30,7 @@ std::span<const std::byte> bytes_of(const List& values) {
   return std::as_bytes(std::span(values));
 }
 
-// Column `offset`..`offset + size` of rows of `stride` bytes.
+// Extracts the bytes `offset`..`offset + size` of each row of `stride` bytes.
 std::vector<std::byte> column(std::span<const std::byte> rows, std::size_t stride, std::size_t offset,
                               std::size_t size) {
   const std::size_t n = rows.size() / stride;
@@ -53,7 +54,7 @@ Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const S
   return success();
 }
 
-// Of whoever has the cells as arrays.
+// The stream of cells of a mesh that has them as arrays.
 class CellsOfMesh final : public CellStream {
  public:
   explicit CellsOfMesh(const TileMesh& mesh) : mesh_(mesh) {}
@@ -64,8 +65,8 @@ class CellsOfMesh final : public CellStream {
   const TileMesh& mesh_;
 };
 
-// All arrays, in the order of the file. `columns`: of the attributes, in the order of the schema. `digest` is told of
-// the cells as they are written. Refers to all of these.
+// All arrays, in the file's order. `columns` has the values of the attributes, in the order of the schema. `digest`
+// gets the cells as they are written. The result refers to all arguments.
 std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, const CellStream& cells,
                               TileDigest& digest, const std::vector<std::vector<std::byte>>& columns,
                               std::uint64_t early, const std::stop_token& stop) {
@@ -80,7 +81,7 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, co
       header.cells * row,
       [&](const PackedArray::Take& take) {
         return cells.vertices([&](std::span<const std::int32_t> piece) -> Status {
-          BOOST_OUTCOME_TRYV(take(bytes_of(piece)));  // of no more cells than there are flags
+          BOOST_OUTCOME_TRYV(take(bytes_of(piece)));  // has no more cells than there are flags
           digest.add(piece);
           return success();
         });
@@ -102,7 +103,7 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, co
   return packed;
 }
 
-// Sets the header's offsets; returns its size, which they are counted from.
+// Sets the header's offsets. Returns the header's size, from which offsets are counted.
 std::uint64_t place(TileHeader& header, const std::vector<PackedArray>& arrays, const EarlyCells* early) {
   std::uint64_t at = 0, begin = 0;
   const auto infos = header.arrays();
@@ -138,7 +139,7 @@ Result<DirectWriter::Written> write_file(DirectWriter file, const std::string& h
   return file.finish();
 }
 
-// With room for all cells.
+// Returns early cells with room for all cells of the tile.
 Result<EarlyCells> roomy(const fs::path& out, const TileHeader& header, const EarlyCells& early,
                          const StoreOptions& options) {
   if (header.cells <= early.room) return early;
@@ -167,7 +168,8 @@ void store::widen(std::optional<HeightRange>& range, double height) {
   range = HeightRange{std::min(range->lo, height), std::max(range->hi, height)};
 }
 
-// finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.
+// Does not sync: finish_store() syncs all tiles at once. If a power cut destroys a tile before, its file differs from
+// what its side file says.
 Status store::publish_tile(const fs::path& out, TemporaryFile& temporary, const TileEntry& entry,
                            const StoreOptions& options) {
   const fs::path final_name = tile_file(out, entry);

@@ -8,7 +8,7 @@ namespace tessera::store {
 
 namespace {
 
-// Bytes of the character that `text` begins with, when XML 1.0 and JSON can hold it; else 0.
+// The bytes of the first character of `text`, if XML 1.0 and JSON can hold it; else 0.
 std::size_t storable_character(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

@@ -1,4 +1,4 @@
-// What a tile file consists of: one table for those who write tile files, the master file, and read them back.
+// The arrays of a tile file: one list for the code that writes tile files, writes the master file, and reads both.
 #pragma once
 
 #include <cstdint>
@@ -10,38 +10,37 @@
 
 namespace tessera::store {
 
-// The elements of a VTK XML file that hold arrays, in the order in which they stand.
+// The elements of a VTK XML file that hold arrays, in the file's order.
 enum class Section : std::uint8_t { points, point_data, cells, cell_data };
 enum class ArrayOf : std::uint8_t { points, cells, corners };
-// Plain: zlib streams of stored blocks, for what hardly gets smaller. Deflated: for what is nearly constant.
+// Plain: zlib streams of stored blocks, for data that hardly gets smaller. Deflated: for data that is nearly constant.
 enum class Packing : std::uint8_t { plain, deflated };
 
 struct ArrayInfo {
   Section section;
   std::string name;
   AttributeType type;
-  ArrayOf rows;           // what there is one row of
+  ArrayOf rows;           // what has one row each
   std::uint64_t columns;  // numbers in a row
   Packing packing;
 };
 
-// All arrays in the order in which they stand in the file.
-// `final`: of a part of a triangulation, whether each cell is one of the whole for sure.
-// `cell_schema`: columns of the cells, the last arrays of all.
+// Returns all arrays in the file's order. With `final` there is an array that says which cells of a region surely
+// belong to the whole triangulation. `cell_schema` has the columns of the cells, which are the last arrays.
 std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema,
                                    const std::vector<Attribute>& cell_schema = {});
-inline constexpr std::size_t first_attribute = 4;  // where those of the schema begin in that list
-// Where these two are in it; its end without neighbors.
+inline constexpr std::size_t first_attribute = 4;  // index of the first attribute of the schema in that list
+// The indices of these two arrays in the list. Without neighbors, neighbors_of() returns the list's size.
 std::size_t connectivity_of(const std::vector<ArrayInfo>& arrays);
 std::size_t neighbors_of(const std::vector<ArrayInfo>& arrays);
 
 constexpr std::uint8_t vtk_cell_type(int dimension) { return dimension == 2 ? 5 : 10; }  // triangle, tetrahedron
 
-// The schema with names under which XML and VTK can keep them: '/', control characters and what is not UTF-8 become
-// '_', and "id", "owner" and "vtkGhostType", which are taken, get a trailing '_'. Error usage when two names collide or
+// The schema with names that XML and VTK can store: '/', control characters and bytes that are not UTF-8 become '_'.
+// The names "id", "owner" and "vtkGhostType" are taken, and get a trailing '_'. Error usage when two names collide or
 // one is empty.
 Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schema);
-// The same of columns of cells, where "vtkGhostType", "tile", "final" and "neighbors" are taken.
+// The same for columns of cells, where "vtkGhostType", "tile", "final" and "neighbors" are taken.
 Result<std::vector<Attribute>> stored_cell_schema(const std::vector<Attribute>& schema);
 
 }  // namespace tessera::store

@@ -1,6 +1,6 @@
-// Reads a tile file back. Nothing in it is believed: the header must be one that this program writes, arrays must
-// not overlap, memory is taken only for what the file is large enough to hold, every block carries a checksum, and
-// every value that others will use as an index is checked.
+// Reads a tile file. Nothing in it is trusted: the header must be one that this program writes, arrays must not
+// overlap, memory is taken only for what the file is large enough to hold, every block has a checksum, and every value
+// that other code uses as an index is checked.
 #include "src/result/store/tile_reader.h"
 
 #include <cstring>
@@ -109,7 +109,7 @@ class TileReader {
     return success();
   }
 
-  // They are the last arrays of all.
+  // The columns of cells are the last arrays.
   Status read_cell_columns(StoredTile& stored) const {
     const auto& arrays = file_.arrays();
     for (std::size_t i = arrays.size() - stored.cell_schema.size(); i < arrays.size(); ++i) {

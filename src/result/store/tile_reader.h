@@ -1,5 +1,5 @@
-// The one way from a tile file to arrays. Only src/result includes this: others read tiles through its TileSource,
-// which knows which file a tile has, and compares what is in the file with the manifest.
+// Reads tile files. Only src/result includes this header: other code reads tiles through TileSource, which knows the
+// file of each tile and compares the contents with the manifest.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-// What is read of a tile beside its vertices.
+// Selects what is read of a tile in addition to its vertices.
 struct TileParts {
   bool cells = true;
   bool rows = false;  // the attributes of the vertices
@@ -19,10 +19,10 @@ struct TileParts {
 
 namespace store {
 
-// Reads a tile file back, of this format or an older one. Every array is checked (lengths, checksums, ranges, flags);
-// corrupt names the file and the place. Without cells: cells, cell_ghost and neighbors are empty.
+// Reads a tile file of this format or an older one. Every array is checked (lengths, checksums, ranges, flags). Error
+// corrupt has the file and the array. Without cells, the arrays cells, cell_ghost and neighbors are empty.
 Result<StoredTile> read_tile(const std::filesystem::path& file, TileId tile, const TileParts& parts);
-// Only the source indices of the tile's own vertices, in the file's order.
+// Reads only the source indices of the tile's own vertices, in the file's order.
 Result<std::vector<PointId>> read_own_ids(const std::filesystem::path& file, TileId tile);
 
 }  // namespace store

@@ -1,4 +1,4 @@
-// Takes the tiles of a job as they come to their end, in place of files: for what is made of each tile once.
+// Receives the tiles of a job as they are finished, in place of files.
 #pragma once
 
 #include <mutex>
@@ -17,8 +17,8 @@ class TileConsumer {
   TileConsumer(const TileConsumer&) = delete;
   TileConsumer& operator=(const TileConsumer&) = delete;
 
-  // With cells, neighbours and rows. Called by several threads, for different tiles. A job that finds its scratch
-  // damaged makes tiles again: one that was taken before is not used again, for it is the same.
+  // Receives a tile with cells, neighbours and rows. Called by several threads, for different tiles. A job that finds
+  // its scratch damaged makes tiles again. A tile that comes again is ignored, because it is the same tile.
   Status take(TileId tile, const StoredTile& cells);
 
  private:

@@ -40,7 +40,7 @@ std::string escaped(std::string_view name) {
   return result;
 }
 
-// What escaped() made it of; other references stay as they are, and then the text is not ours.
+// The inverse of escaped(). Other references stay as they are; then header_text() did not make the text.
 std::string unescaped(std::string_view text) {
   constexpr std::array<std::pair<std::string_view, char>, 4> references{
       {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}}};
@@ -59,7 +59,7 @@ std::string array_start(std::string_view element, const ArrayInfo& array) {
          "\" Name=\"" + escaped(array.name) + "\" NumberOfComponents=\"" + std::to_string(array.columns) + "\"";
 }
 
-// Reads a text whose words are known from front to back.
+// Reads a text with known words, from front to back.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}
@@ -75,7 +75,7 @@ class Scanner {
     text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
     return true;
   }
-  // Up to the next `end`, which is skipped.
+  // Reads up to the next `end`, and skips it.
   bool until(char end, std::string_view& value) {
     const auto at = text_.find(end);
     if (at == std::string_view::npos) return false;
@@ -155,7 +155,7 @@ std::optional<TileHeader> parse_header(std::string_view text) {
       header.cell_schema.push_back({unescaped(name), static_cast<AttributeType>(found - type_names.begin())});
     }
   }
-  // Whatever this did not look at shows here.
+  // Comparing with the schema as it would be stored finds what was not checked above.
   const auto schema = stored_schema(header.schema);
   const auto cell_schema = stored_cell_schema(header.cell_schema);
   if (!schema || schema.value() != header.schema) return std::nullopt;
@@ -171,7 +171,8 @@ std::string master_text(const Manifest& manifest) {
   std::string text = std::string(format_words) + std::to_string(manifest.format_version) +
                      " -->\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
                      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
-  // Neighbours are indices into one tile: of no use here, and as large as the cells.
+  // Neighbours are left out: they are indices into one tile, so they are of no use here, and they are as large as the
+  // cells.
   const auto arrays = tile_arrays(manifest.dimension, manifest.region && !manifest.region->complete, false,
                                   manifest.schema, cell_schema_of(manifest));
   for (const Section section : {Section::points, Section::point_data, Section::cell_data}) {

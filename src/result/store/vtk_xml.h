@@ -1,4 +1,4 @@
-// The XML of tile files and of the master file, as FORMAT.md gives it.
+// The XML of tile files and of the master file, as FORMAT.md specifies.
 #pragma once
 
 #include <cstdint>
@@ -25,22 +25,22 @@ struct TileHeader {
   bool neighbors = true;
   std::vector<Attribute> schema;
   std::vector<Attribute> cell_schema = {};  // only in changed results
-  std::vector<std::uint64_t> offsets;       // of tile_arrays(), from the end of the header
+  std::vector<std::uint64_t> offsets;       // of the arrays of tile_arrays(), counted from the end of the header
 
   std::vector<ArrayInfo> arrays() const { return tile_arrays(dimension, final, neighbors, schema, cell_schema); }
-  // How many bytes an array of this tile has before it is packed. REQUIRES: points, cells < 2^32.
+  // Bytes of an array of this tile before packing. REQUIRES: points, cells < 2^32.
   std::uint64_t bytes_of(const ArrayInfo& array) const;
 };
 
-// All that stands before the first array, filled up to `size`. REQUIRES: an offset an array.
+// The text before the first array, padded with blanks to `size` bytes. REQUIRES: one offset for each array.
 std::string header_text(const TileHeader& header, std::size_t size = 0);
-// What header_text() made `text` of; nothing when it made no such text.
+// The header from which header_text() made `text`; nothing for any other text.
 std::optional<TileHeader> parse_header(std::string_view text);
 
 inline constexpr std::string_view header_end = "<AppendedData encoding=\"raw\">\n_";
 inline constexpr std::string_view footer = "\n</AppendedData>\n</VTKFile>\n";
 
-// A PUnstructuredGrid over the tiles: a function of dimension, schema and tiles of the manifest.
+// A PUnstructuredGrid over the tiles. Depends only on the manifest's dimension, schema and tiles.
 std::string master_text(const Manifest& manifest);
 
 }  // namespace tessera::store

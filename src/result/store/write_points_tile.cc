@@ -1,4 +1,4 @@
-// Writes one tile that is kept as points.
+// Writes a tile that is kept as points.
 #include <algorithm>
 #include <cstring>
 #include <optional>
@@ -21,7 +21,7 @@ using namespace store;
 
 namespace {
 
-// Of the tile's own vertices.
+// The range of the heights of the tile's own vertices.
 std::optional<HeightRange> heights_of(const PointsTileView& tile) {
   const Attribute wanted{"z", AttributeType::f64};
   const auto z = std::find(tile.schema.begin(), tile.schema.end(), wanted);

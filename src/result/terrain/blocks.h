@@ -1,4 +1,4 @@
-// Pixels that a thread has drawn and not yet handed over, by square blocks of the raster.
+// Pixels that a thread has drawn and not yet handed over, in square blocks of the raster.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace tessera::terrain {
 
 constexpr std::int64_t block_side = 256;
 
-// By lines from the top; NaN where nothing was drawn.
+// Line by line from the top; NaN where nothing was drawn.
 struct Block {
   double pixels[block_side * block_side];
   std::int64_t drawn = 0;
@@ -24,7 +24,7 @@ class Blocks {
  public:
   explicit Blocks(const Grid& grid) : grid_(grid), across_((grid.width + block_side - 1) / block_side) {}
 
-  // Whether the pixel had no value before. A value that is NaN is none.
+  // Returns true if the pixel had no value before. NaN is not drawn.
   bool put(std::int64_t column, std::int64_t row, double value) {
     if (std::isnan(value)) return true;
     const std::int64_t x = column - grid_.column0, y = grid_.line(row);
@@ -43,7 +43,8 @@ class Blocks {
   }
 
   std::size_t bytes() const { return blocks_.size() * sizeof(Block); }
-  // visit(x, y, block) with the place of each block's first pixel from the left and from the top; then there is none.
+  // Calls visit(x, y, block) for each block, with the position of its first pixel from the left and from the top; then
+  // removes all blocks.
   template <class Visit>
   void take(const Visit& visit) {
     for (const auto& [number, block] : blocks_)

@@ -8,7 +8,7 @@
 namespace tessera::terrain {
 namespace {
 
-// Twice the area of (q, a, b), and what bounds its error.
+// Twice the area of (q, a, b) as left - right, which also bounds the error.
 template <class Number>
 struct Area {
   Number left, right;
@@ -18,7 +18,7 @@ struct Area {
   Number area() const { return left - right; }
 };
 
-// A corner without a part does not count, whatever its value: it may be NaN.
+// A corner with weight 0 is ignored, whatever its value, which may be NaN.
 double mix(const Triangle& cell, double a, double b, double c) {
   double value = 0;
   const double parts[] = {a, b, c};
@@ -44,7 +44,7 @@ bool has_pixel(const Triangle& cell, const Point& centre) {
     const Point &a = cell[k].at, &b = cell[k == 2 ? 0 : k + 1].at;
     const int side = exact::orientation_2(a, b, centre);
     if (side < 0) return false;
-    // The moved centre is on the left of an edge that goes down, or to the right.
+    // The moved centre is inside for an edge that goes down, or horizontally to the right.
     if (side == 0 && !(b.y < a.y || (b.y == a.y && b.x > a.x))) return false;
   }
   return true;
@@ -53,7 +53,7 @@ bool has_pixel(const Triangle& cell, const Point& centre) {
 double value_at(const Triangle& cell, const Point& q) {
   const Area<double> a(q, cell[1].at, cell[2].at), b(q, cell[2].at, cell[0].at), c(q, cell[0].at, cell[1].at);
   const double whole = a.area() + b.area() + c.area();
-  // Each difference, product and sum rounds once (exact::filter): areas are off by at most 4 u (|left| + |right|).
+  // Each difference, product and sum rounds once (exact::filter), so areas are off by at most 4 u (|left| + |right|).
   const double error = 0x1p-50 * (std::abs(a.left) + std::abs(a.right) + std::abs(b.left) + std::abs(b.right) +
                                   std::abs(c.left) + std::abs(c.right));
   const double size = std::abs(whole);
@@ -65,7 +65,7 @@ double value_at(const Triangle& cell, const Point& q) {
 Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit) {
   Bounds around;
   for (const Corner& corner : cell) around.add(corner.at);
-  // A pixel more on all sides: only which parts are asked depends on it.
+  // One pixel more on all sides, which only costs time.
   const auto from = [&](double c, std::int64_t least) {
     return std::max(least, static_cast<std::int64_t>(std::floor(c / grid.res)) - 1);
   };

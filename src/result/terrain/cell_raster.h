@@ -1,9 +1,10 @@
-// The pixels of a cell, and its values there.
+// Finds the pixels of a cell, and the cell's values there.
 //
-// A cell has a pixel when it has the pixel's centre, which counts as moved to the right by an infinitely small step,
-// and up by one that is infinitely smaller still: then it is on no edge, so that within the hull exactly one cell has
-// it, whatever the order of cells and corners. A cell thus has its left edges and its horizontal lower one, and not the
-// others; on the hull's right edges and its upper one, centres are outside. Decided by exact predicates.
+// A cell has a pixel when it contains the pixel's centre, moved to the right by an infinitely small step, and up by one
+// that is infinitely smaller still. The moved centre is on no edge. So within the hull exactly one cell has each pixel,
+// whatever the order of cells and corners. In other words: a cell has centres on its left edges and on a horizontal
+// lower edge, and not those on other edges; centres on the hull's right edges and on a horizontal upper edge are
+// outside. Exact predicates decide.
 #pragma once
 
 #include <algorithm>
@@ -27,18 +28,19 @@ struct Corner {
 };
 using Triangle = std::array<Corner, 3>;
 
-// Whether the counterclockwise cell has the pixel of this centre. Exact.
+// Returns true if the counterclockwise cell has the pixel with this centre. Exact.
 bool has_pixel(const Triangle& cell, const Point& centre);
 
-// The linear function between the corners at a point of the closed cell. Not negative are the parts of the corners, and
-// they are right to 1e-11 of the whole, however thin the cell. The sum is taken in the order of the corners.
+// The linear function between the corners, at a point of the closed cell. The corners' weights are not negative, and
+// right to 1e-11, however thin the cell is. The sum is taken in the order of the corners.
 double value_at(const Triangle& cell, const Point& q);
 
 // Calls put(column, row, value) for each pixel of `grid` that the counterclockwise cell has. The values do not depend
 // on the order of its corners.
 template <class Put>
 void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
-  // Places in units of pixels are right to 2^-9 (pixels_max). What is nearer to an edge than this is asked exactly.
+  // Positions in units of pixels are right to 2^-9 (pixels_max). Pixels that are nearer to an edge than this are
+  // decided exactly.
   constexpr double slack = 0x1p-6;
   const double per_unit = 1 / grid.res;
   const auto [x0, x1] = std::minmax({cell[0].at.x, cell[1].at.x, cell[2].at.x});
@@ -57,7 +59,7 @@ void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
   bool is_sorted = false;
   for (std::int64_t row = first(y0, grid.row0); row <= row_end; ++row) {
     Point centre{0, grid.centre(row), 0};
-    // Where the line of centres is in the cell.
+    // The interval of the line of centres that is in the cell.
     double from = std::numeric_limits<double>::infinity(), to = -from;
     bool through_corner = false;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -90,9 +92,9 @@ void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
   }
 }
 
-// Parts of `grid` which together have all pixels of the cell, each of part_side x part_side pixels at most:
-// for_each_pixel() of them all is that of the grid. A cell of few pixels has one part. Calls visit(part) until it
-// returns an error.
+// Divides the pixels of `grid` that may be in the cell into parts of at most part_side x part_side pixels. Calling
+// for_each_pixel() for all parts is the same as calling it for the grid. A cell of few pixels has one part. Calls
+// visit(part) until it returns an error.
 inline constexpr std::int64_t part_side = 2048;
 Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit);
 

@@ -19,13 +19,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A file that GDAL writes, not src/base/files: what it has grown by is drawn from the thread's ledger.
+// A file that GDAL writes without src/base/files. Its growth is drawn from the thread's ledger.
 class Growing {
  public:
   explicit Growing(const fs::path& path) : path_(path) {}
   Status draw() {
     BOOST_OUTCOME_TRY(there, bytes_if_there(path_));
-    const std::uint64_t bytes = there.value_or(0);  // it is not there at first
+    const std::uint64_t bytes = there.value_or(0);  // at first the file does not exist
     const std::uint64_t more = bytes - std::min(bytes, drawn_);
     drawn_ += more;
     return Ledger::draw_write(more);
@@ -176,7 +176,7 @@ Result<std::uint64_t> CogFile::finish(const std::function<bool(double)>& told) {
     BOOST_OUTCOME_TRYV(shade([&](double done) { return told(shading_part * done); }));
   }
   const auto go_on = [&](double done) { return told(shading_part + (1 - shading_part) * done); };
-  // Of 4 M pixels, GDAL's level 6 takes a third longer for a file that is 1 % smaller.
+  // For 4 M pixels, GDAL's level 6 takes a third longer and makes the file 1 % smaller.
   Choices choices({"COMPRESS=DEFLATE", "LEVEL=1", "PREDICTOR=YES", "BIGTIFF=IF_SAFER", "OVERVIEWS=AUTO",
                    "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=" + std::to_string(options_.threads)});
   bool stopped = false;
@@ -187,7 +187,7 @@ Result<std::uint64_t> CogFile::finish(const std::function<bool(double)>& told) {
   };
   const GDALDatasetH cog = gdal_.GDALCreateCopy(gdal_.GDALGetDriverByName("COG"), cog_.path().c_str(), dataset_, 0,
                                                 choices.get(), tell, const_cast<std::function<bool(double)>*>(&ask));
-  if (cog != nullptr) gdal_.GDALClose(cog);  // its errors are told by the message alone
+  if (cog != nullptr) gdal_.GDALClose(cog);  // only the message reports errors
   if (stopped) return error(Errc::interrupted, "interrupted while writing the raster");
   if (cog == nullptr || gdal_.CPLGetLastErrorType() >= CE_Failure) return refused(quiet);
   BOOST_OUTCOME_TRYV(growing.draw());

@@ -1,5 +1,5 @@
-// A Cloud Optimized GeoTIFF, made by GDAL. Pixels come in any order and are kept in a file beside it until there are
-// all; so the raster may be larger than memory.
+// Writes a Cloud Optimized GeoTIFF with GDAL. Pixels come in any order, and are kept in a file beside it until all have
+// come. So the raster may be larger than memory.
 #pragma once
 
 #include <cstdint>
@@ -24,35 +24,35 @@ namespace tessera::terrain {
 struct CogOptions {
   std::string crs;                  // as a manifest has it
   std::string name;                 // of the band
-  bool doubles = false;             // pixels of 64 bits, not 32
-  bool heights = true;              // else what the system says of heights does not hold
-  std::optional<Light> light = {};  // the file is not the pixels that are added, but their hillshade, 1..255; 0: none
+  bool doubles = false;             // pixels have 64 bits, not 32
+  bool heights = true;              // else the vertical part of the coordinate system does not apply
+  std::optional<Light> light = {};  // if set, the file has the hillshade of the pixels, 1..255; 0: none
   std::uint64_t cache_bytes = std::uint64_t{64} << 20;  // of GDAL
   unsigned threads = 1;
 };
 
 class CogFile {
  public:
-  // Errors, here and below: io, with GDAL's reason; bad_input when it does not understand the system.
+  // Errors, here and below: io, with GDAL's reason; bad_input when GDAL does not know the coordinate system.
   static Result<std::unique_ptr<CogFile>> create(const std::filesystem::path& target, const Grid& grid,
                                                  const CogOptions& options);
   ~CogFile();
   CogFile(const CogFile&) = delete;
   CogFile& operator=(const CogFile&) = delete;
 
-  // Takes the pixels drawn. Safe to call from several threads. Error corrupt when a pixel has come before.
+  // Takes the drawn pixels. Safe to call from several threads. Error corrupt when a pixel has come before.
   Status add(Blocks& blocks);
   std::uint64_t pixels() const { return pixels_; }  // with a value, so far
 
-  // Compresses, makes the overviews, and gives the file its name. Told the part that is done, `go_on` says whether to
-  // go on; error interrupted when not. The size in bytes.
+  // Compresses, makes the overviews, and gives the file its name. Calls `go_on` with the fraction that is done; when it
+  // returns false, ends with error interrupted. Returns the size in bytes.
   Result<std::uint64_t> finish(const std::function<bool(double)>& go_on);
 
  private:
   CogFile(const GdalLibrary& gdal, const std::filesystem::path& target, const Grid& grid, const CogOptions& options);
   Status create_raw();
   Status add_block(std::int64_t x, std::int64_t y, Block& block);
-  // In the place of the pixels there is their hillshade then.
+  // Replaces the pixels by their hillshade.
   Status shade(const std::function<bool(double)>& go_on);
   Error refused(const GdalQuiet& quiet) const;
 

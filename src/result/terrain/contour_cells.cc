@@ -72,7 +72,7 @@ std::vector<std::uint64_t> ContourCells::most_pieces() const {
 Point ContourCells::crossing(const TileEdge& edge, std::int64_t level) const {
   const double height = levels_.height(level), at_a = value(edge.a), at_b = value(edge.b);
   const Point &a = tile_.point(edge.a), &b = tile_.point(edge.b);
-  // From the nearer end on, so that the end itself comes out as it is.
+  // Computed from the nearer end, so that the end itself is reproduced exactly.
   const double from_a = (height - at_a) / (at_b - at_a), from_b = (at_b - height) / (at_b - at_a);
   const auto between = [&](double u, double v) {
     const double at = from_a < from_b ? u + from_a * (v - u) : v - from_b * (v - u);

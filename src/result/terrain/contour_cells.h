@@ -1,12 +1,12 @@
-// The contour lines inside a tile's cells, as pieces.
+// Finds the contour lines inside a tile's cells, as pieces.
 //
-// A vertex at a level counts as above it. The places of the plane that are then at or above the level are a set of
-// whole cells and parts of cells, and the contour line is the border of those of them that have an area: a peak, a
-// ridge and a hollow exactly at a level have no line, a flat ground at it has one where the ground falls. So no line is
-// there twice, none branches, and none ends but at the hull, or at cells that do not count.
+// A vertex at a level counts as above it. The area at or above the level then consists of whole cells and of parts of
+// cells, and the contour line is the border of those of them that are not empty. So a peak, a ridge or a hollow exactly
+// at a level has no line, and flat ground at the level has one where the ground falls. No line comes twice, none
+// branches, and each ends only at the hull or at cells that are ignored.
 //
-// As a point of a line stands for where it passes an edge from a vertex above to one below, both ends of a piece are
-// such edges; at most two pieces end at one, whatever meets in a vertex.
+// A point of a line stands for the edge that the line crosses, from a vertex above to a vertex below. So both ends of a
+// piece are such edges, and at most two pieces end at an edge, however many meet in a vertex.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@
 
 namespace tessera::terrain {
 
-// An edge by the tile's numbers of its ends, the lower source index first.
+// An edge by the tile's numbers of its ends, the end with the lower source index first.
 struct TileEdge {
   std::int32_t a = 0, b = 0;
   friend auto operator<=>(const TileEdge&, const TileEdge&) = default;
 };
 
-// From edge to edge, with what is above the level on the left.
+// A piece of a line from edge to edge, with the higher side on the left.
 struct Piece {
   std::int64_t level = 0;
   TileEdge from, to;
@@ -38,28 +38,28 @@ struct Piece {
 
 class ContourCells {
  public:
-  // Cells that do not count: those that the filter leaves out, those that do not meet the box, and those that have a
-  // corner without a finite value. `tile` has rows. Throws Stopped.
+  // Ignores cells that the filter leaves out, cells that do not meet the box, and cells with a corner without a finite
+  // value. `tile` has rows. Throws Stopped.
   ContourCells(const query::QueryTile& tile, const query::Column& column, const Levels& levels,
                const std::optional<double>& max_edge, const std::optional<Bounds>& box, const std::stop_token& stop);
 
-  // The lowest level of a cell that counts, and one above the highest; equal when there is none.
+  // The lowest level of a cell, and one above the highest; equal when there is none.
   std::int64_t begin() const { return begin_; }
   std::int64_t end() const { return end_; }
-  // Whether a value is more than Levels::number_max levels away: then there are no pieces.
+  // True if a value is more than Levels::number_max levels away; then there are no pieces.
   bool too_far() const { return too_far_; }
-  // All pieces of all levels, of cells that are main.
+  // The number of pieces of all levels in main cells.
   std::uint64_t pieces() const;
-  // How many pieces a level has at most, from begin() on.
+  // An upper bound of the number of pieces of each level, from begin() on.
   std::vector<std::uint64_t> most_pieces() const;
-  // Where the level passes the edge; z is its height.
+  // Where the level crosses the edge; z is the level's height.
   Point crossing(const TileEdge& edge, std::int64_t level) const;
   double value(std::int32_t vertex) const { return values_[static_cast<std::size_t>(vertex)]; }
   PointId id_of(std::int32_t vertex) const { return tile_.id_of(vertex); }
-  std::uint64_t left_out() const { return left_out_; }  // main cells, for their edges
+  std::uint64_t left_out() const { return left_out_; }  // main cells left out because of their edges
 
-  // Calls give(piece) for all pieces of levels from `begin` on to below `end` that are this tile's: every piece is one
-  // tile's, and either of the cells beside a piece along an edge would do, so it is the tile's that owns the edge.
+  // Calls give(piece) for all pieces of this tile with levels from `begin` to below `end`. Every piece belongs to one
+  // tile. A piece along an edge could belong to either cell beside it, so it belongs to the tile that owns the edge.
   // Error corrupt when the tile lacks a cell beside an edge that it owns. Throws Stopped.
   template <class Give>
   Status for_each_piece(std::int64_t begin, std::int64_t end, const Give& give, const std::stop_token& stop) const {
@@ -87,17 +87,17 @@ class ContourCells {
   TileEdge edge(std::int32_t u, std::int32_t v) const {
     return tile_.id_of(u) < tile_.id_of(v) ? TileEdge{u, v} : TileEdge{v, u};
   }
-  // The cell's levels.
+  // The range of the cell's levels.
   std::pair<std::int64_t, std::int64_t> range(std::int32_t cell) const;
-  // The corner that is alone above or below.
+  // The corner that is alone above or below the level.
   std::size_t apex_of(std::int32_t cell, double height) const;
-  // Whether the corner is below, and the line the edge opposite to it.
+  // True if the corner is below the level and the line is the edge opposite to it.
   bool along_edge(std::int32_t cell, std::size_t apex, double height) const;
   Piece across(std::int32_t cell, std::size_t apex, std::int64_t level, double height) const;
 
   template <class Give>
   Status give_along(std::int32_t cell, std::size_t apex, std::int64_t level, const Give& give) const {
-    // Counterclockwise, p is below the edge from q to r.
+    // Counterclockwise, with p below the edge from q to r.
     const std::int32_t p = tile_.vertex(cell, apex), q = tile_.vertex(cell, (apex + 1) % 3),
                        r = tile_.vertex(cell, (apex + 2) % 3);
     if (std::min(tile_.owner(q), tile_.owner(r)) != tile_.id()) return success();
@@ -110,8 +110,8 @@ class ContourCells {
     const std::int32_t s = tile_.vertex(beyond, other);
     if (value(s) >= levels_.height(level)) {
       give(Piece{level, edge(p, r), edge(p, q)});
-    } else if (tile_.id_of(p) < tile_.id_of(s)) {  // for both cells once
-      // A ridge: what would go along it twice goes past its ends.
+    } else if (tile_.id_of(p) < tile_.id_of(s)) {  // once for both cells
+      // A ridge: two lines along it would coincide, so they pass its ends instead.
       give(Piece{level, edge(p, r), edge(s, r)});
       give(Piece{level, edge(s, q), edge(p, q)});
     }
@@ -123,7 +123,7 @@ class ContourCells {
   const query::QueryTile& tile_;
   Levels levels_;
   std::vector<double> values_;  // by vertex
-  std::vector<bool> counts_;    // by cell
+  std::vector<bool> counts_;    // by cell: not ignored
   std::int64_t begin_ = 0, end_ = 0;
   bool too_far_ = false;
   std::uint64_t left_out_ = 0;

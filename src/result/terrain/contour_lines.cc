@@ -35,9 +35,9 @@ Status ContourLines::read(const Line& line, std::vector<LinePoint>& points) cons
 
 namespace {
 
-constexpr std::uint32_t parts_a_look = 1024;  // each is read from disk
+constexpr std::uint32_t parts_a_look = 1024;  // each part is read from disk
 
-// A closed line from its least edge on.
+// Rotates a closed line so that it begins at its least edge.
 void turn(std::vector<LinePoint>& points) {
   points.pop_back();
   const auto least = std::min_element(points.begin(), points.end(),
@@ -67,7 +67,8 @@ Status ContourLines::add(std::int64_t level, std::span<const LinePoint> points) 
   return success();
 }
 
-// A part that begins where another ends goes on with it: of the pieces that end at an edge one comes and one goes.
+// A part that begins at the edge where another part ends continues it: of the two pieces at an edge, one ends and one
+// begins there.
 Status ContourLines::link_parts() {
   sort_unless_stopped(parts_.begin(), parts_.end(), stop_,
                       [](const Part& a, const Part& b) { return a.line < b.line; });
@@ -91,7 +92,7 @@ Status ContourLines::link_parts() {
     for (std::size_t i = first; i != none && !used[i]; i = next[i]) {
       check.step();
       used[i] = true;
-      if (!points.empty()) points.pop_back();  // where the next begins
+      if (!points.empty()) points.pop_back();  // the next part begins there
       BOOST_OUTCOME_TRYV(read(parts_[i].line, points));
     }
     if (points.front().edge() == points.back().edge()) turn(points);

@@ -1,4 +1,4 @@
-// Contour lines, linked from pieces across the borders of tiles, by way of a scratch file.
+// Links pieces to contour lines across the borders of tiles, with a scratch file.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace tessera::terrain {
 
-// Where a line passes an edge, which is told by its ends, the lower first.
+// Where a line crosses an edge, given by the edge's ends, the lower one first.
 struct LinePoint {
   PointId a, b;
   double x = 0, y = 0;
@@ -30,24 +30,25 @@ class ContourLines {
  public:
   struct Memory {
     std::uint64_t sort_bytes = 0;
-    std::uint64_t parts_bytes = 0;  // for lines that end at the border of a tile, part_bytes each
+    std::uint64_t parts_bytes = 0;  // for lines that end at a tile's border, part_bytes each
   };
   static constexpr std::uint64_t part_bytes = 96;
-  // `folder`: of the scratch file. All functions end soon after `stop` is requested, with the error interrupted.
+  // `folder` gets the scratch file. After `stop` is requested, all functions soon return the error interrupted.
   static Result<ContourLines> create(const std::filesystem::path& folder, const Memory& memory, std::stop_token stop);
 
-  // A line of a tile, with what is above its level on its left. A closed one ends with its first point again. Safe to
-  // call from several threads. Error memory for more lines that end at borders than there is room for.
+  // Adds a line of a tile, with the higher side on its left. A closed line ends with its first point again. Safe to
+  // call from several threads. Error memory when more lines end at borders than there is room for.
   Status add(std::int64_t level, std::span<const LinePoint> points);
 
-  // Calls visit(level, points) for each line, by level and then by its first edge: its first point is where it begins,
-  // of a closed one the point with the least edge, which is also its last. Points that follow each other differ; lines
-  // of which less than two points are left, or three of a closed one, have no length, and are none. All lines are a
-  // function of the triangulation, whatever its tiles. Ends this object's life. REQUIRES: a line fits in memory.
+  // Calls visit(level, points) for each line, ordered by level and then by first edge. An open line begins with its
+  // first point; a closed one begins and ends with the point of its least edge. Successive points differ. Lines without
+  // length are left out: open ones with fewer than two different points, closed ones with fewer than three. The lines
+  // depend only on the triangulation, not on its tiles. The object cannot be used afterwards. REQUIRES: each line fits
+  // in memory.
   Status for_each(const std::function<Status(std::int64_t level, std::span<const Point> points)>& visit);
 
  private:
-  // Points of the scratch file.
+  // A line in the scratch file.
   struct Line {
     std::int64_t level = 0;
     PointId a, b;  // the edge by which lines are sorted
@@ -55,7 +56,7 @@ class ContourLines {
     bool operator<(const Line& other) const { return std::tie(level, a, b) < std::tie(other.level, other.a, other.b); }
   };
   struct Part {
-    Line line;  // by its first edge
+    Line line;  // sorted by its first edge
     PointId end_a, end_b;
   };
 

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of the whole, reading tiles; the rest is writing lines.
+// The fraction of the progress for reading tiles; the rest is for writing lines.
 constexpr double reading_part = 0.7;
 
 bool is_shorter(std::span<const Point> points, double length) {
@@ -37,7 +37,7 @@ bool is_shorter(std::span<const Point> points, double length) {
   return sum < length;
 }
 
-// Calls give(level, line) for all lines that are long enough, and returns how many are not. Error interrupted.
+// Calls give(level, line) for all lines that are long enough. Returns the number of the others. Error interrupted.
 template <class Give>
 Result<std::uint64_t> for_each_line(terrain::Traced& traced, const ContourOptions& options, const Give& give,
                                     const std::stop_token& stop) {
@@ -93,15 +93,15 @@ Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions&
   } catch (const Stopped&) {
     return error(Errc::interrupted, "interrupted while looking at cells");
   }
-  // A point of a line in a file of text has up to 55 digits and signs, in a GeoPackage 24 bytes. In scratch it is
-  // twice: as a tile has it, and in the whole line.
+  // A point of a line takes up to 55 digits and signs in a text file, and 24 bytes in a GeoPackage. Scratch has each
+  // point twice: in the line of a tile, and in the whole line.
   constexpr double file_bytes = 50, scratch_bytes = 2.0 * sizeof(terrain::LinePoint);
   double points = seen == 0 ? 0 : static_cast<double>(pieces) * static_cast<double>(all) / static_cast<double>(seen);
   std::uint64_t samples_bytes = 0;
   if (options.smooth) {
     BOOST_OUTCOME_TRY(plan, terrain::plan_smooth(options, manifest.bounds));
     samples_bytes = static_cast<std::uint64_t>(plan.samples.width * plan.samples.height) * sizeof(double);
-    // A line passes sides of squares as often as edges, if these are as long, and no line is longer than it was.
+    // A line crosses about as many sides of squares as edges of the same length, and smoothing makes no line longer.
     const Bounds& all_of_it = manifest.bounds;
     const double spacing = std::sqrt((all_of_it.hi.x - all_of_it.lo.x) * (all_of_it.hi.y - all_of_it.lo.y) /
                                      static_cast<double>(manifest.vertices));

@@ -27,10 +27,10 @@ namespace fs = std::filesystem;
 namespace terrain {
 namespace {
 
-// Of the whole, drawing; the rest is compressing.
+// The fraction of the progress for drawing; the rest is for compressing.
 constexpr double drawing_part = 0.6;
 
-// What a raster of this result will be; errors: those of write_dem() before anything is written.
+// The raster of this result as it will be. Errors: those of write_dem() before anything is written.
 struct Asked {
   Manifest manifest;
   query::Column column;
@@ -60,7 +60,7 @@ DrawingOptions drawing_options(const DemOptions& options, std::uint64_t memory_b
 // The tiles with cells that may have a pixel.
 auto tiles_with_pixels(const Asked& asked, const TileSource& source, const DemOptions& options,
                        const std::stop_token& stop) {
-  std::optional<Bounds> centres;  // which may be outside of the box, by half a pixel
+  std::optional<Bounds> centres;  // the centres may be outside of the box, by half a pixel
   if (const Grid& grid = asked.grid; options.box) {
     centres.emplace();
     centres->add(Point{grid.centre(grid.column0), grid.centre(grid.row0), 0});
@@ -87,14 +87,14 @@ std::string to_json(const Dem& dem) {
   return json_text(object);
 }
 
-// What there is to write, from the first pixel to the last.
+// Draws and writes a raster, from the first pixel to the last.
 class DemMaker::Impl {
  public:
   static Result<std::unique_ptr<Impl>> begin(const fs::path& out, Manifest read, const fs::path& target,
                                              const DemOptions& options, const std::stop_token& stop) {
     BOOST_OUTCOME_TRYV(check_dem_target(target, options.overwrite));
     BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(read), options));
-    // A quarter for GDAL's blocks, the rest for tiles and what is drawn of them.
+    // A quarter of the memory is for GDAL's blocks, the rest for tiles and what is drawn of them.
     BOOST_OUTCOME_TRY(file, terrain::CogFile::create(target, asked.grid,
                                                      {.crs = crs_or_none(asked.manifest.crs),
                                                       .name = options.value,
@@ -148,7 +148,7 @@ class DemMaker::Impl {
   DemOptions options_;
   std::stop_token stop_;
   std::unique_ptr<terrain::CogFile> file_;
-  terrain::Drawing drawing_;  // of all of the above
+  terrain::Drawing drawing_;  // refers to the members above
 };
 
 DemMaker::DemMaker(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t cells_a_look = 4096;  // at whether to stop
+constexpr std::size_t cells_a_look = 4096;  // between two checks for a stop
 
 Error corrupt(const fs::path& file, const std::string& what) {
   return error(Errc::corrupt, file.string() + ": " + what);
@@ -29,7 +29,7 @@ Status Drawing::run(const StoredTile& cells) {
 }
 
 Status Drawing::run(TileQueue& tiles) {
-  // As a mesh with attributes, and what reading takes beside it.
+  // A tile is a mesh with attributes, and reading needs some more.
   constexpr double tile_factor = 1.25;
   const unsigned threads = tiles.threads(options_.threads, options_.memory_bytes, tile_factor, blocks_least);
   const std::uint64_t share = options_.memory_bytes / threads, tile_bytes = tiles.tile_bytes(tile_factor);
@@ -75,7 +75,8 @@ Status Drawing::draw(const StoredTile& tile, const fs::path& from, Blocks& block
       apart =
           blocks.put(column, row, options_.doubles ? value : static_cast<double>(static_cast<float>(value))) && apart;
     };
-    // Of a cell that has most of a large raster, too, there are only so many pixels in memory, and a stop is heard.
+    // The parts bound the pixels in memory, also for a cell that covers most of a large raster, and let a stop take
+    // effect.
     BOOST_OUTCOME_TRYV(for_each_part(grid_, cell, [&](const Grid& part) -> Status {
       if (part.width * part.height != grid_.width * grid_.height && stop_.stop_requested())
         return error(Errc::interrupted, "interrupted while drawing");

@@ -24,17 +24,17 @@ namespace tessera::terrain {
 struct DrawingOptions {
   std::optional<double> max_edge = {};  // cells with a longer edge in the plane have no pixels
   bool doubles = false;                 // else values are rounded to 32 bits
-  std::uint64_t memory_bytes = 0;       // at least that of a tile is used
+  std::uint64_t memory_bytes = 0;       // at least the memory of one tile is used
   unsigned threads = 1;
 };
 
-// Takes the pixels that were drawn. Called by several threads.
+// Receives the pixels that were drawn. Called by several threads.
 using Take = std::function<Status(Blocks&)>;
 
-// Which cell has a pixel, and its value, is a function of the triangulation alone (cell_raster.h).
+// Draws cells. Which cell has a pixel, and the value, depends only on the triangulation (cell_raster.h).
 class Drawing {
  public:
-  // What is given by reference is there as long as this object.
+  // References must stay valid as long as this object.
   Drawing(const std::filesystem::path& out, const Manifest& manifest, const query::Column& column, const Grid& grid,
           const DrawingOptions& options, std::stop_token stop, Take take)
       : out_(out),
@@ -48,18 +48,18 @@ class Drawing {
         filter_(options.max_edge),
         blocks_bytes_(std::max<std::uint64_t>(options.memory_bytes / options.threads, blocks_least)) {}
 
-  // Of cells that are in memory, all that may have a pixel. For several threads at once, as many as the options say.
-  // Errors, here and below: corrupt when cells overlap, or a tile is not what the manifest says; io; interrupted; of
-  // `take`.
+  // The first run() draws cells in memory, all those that may have a pixel; the second draws the tiles of a queue. Both
+  // may be called by up to options.threads threads at once. Errors: corrupt when cells overlap, or when a tile is not
+  // what the manifest says; io; interrupted; those of `take`.
   Status run(const StoredTile& cells);
   Status run(TileQueue& tiles);
-  std::uint64_t left_out() const { return left_out_; }  // cells, for their edges
+  std::uint64_t left_out() const { return left_out_; }  // cells left out because of their edges
 
  private:
   static constexpr std::uint64_t blocks_least = 16 * sizeof(Block);
 
   Status draw(const TileSource& source, std::size_t index, Blocks& blocks);
-  // `from`: whose cells they are, for errors.
+  // `from` is the file of the cells, for errors.
   Status draw(const StoredTile& tile, const std::filesystem::path& from, Blocks& blocks);
 
   const std::filesystem::path& out_;

@@ -1,4 +1,4 @@
-// Lists of options, as GDAL takes them.
+// Lists of options in the form that GDAL takes.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace tessera::terrain {
 
-// "NAME=VALUE", or words of a command line.
+// A list of "NAME=VALUE", or of words of a command line.
 class Choices {
  public:
   explicit Choices(std::vector<std::string> texts) : texts_(std::move(texts)) {

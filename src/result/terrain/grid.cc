@@ -9,14 +9,14 @@
 namespace tessera::terrain {
 namespace {
 
-// GDAL counts columns and lines by ints; pixels of more lines than this nobody has yet read.
+// GDAL counts columns and lines with ints. Rasters with more lines than this are of no use.
 constexpr double side_max = 1 << 24;
 constexpr double area_max = 0x1p40;
 
 }  // namespace
 
 Result<Grid> grid_over(double res, const Bounds& box, const Bounds& vertices, std::string_view key) {
-  // Beyond these, squares of pixels have no doubles.
+  // Beyond these limits a double cannot hold the area of a pixel.
   if (!(res > 1e-100 && res < 1e100))
     return error(Errc::usage, option(key) + ": must be the width of a pixel, finite and above 0");
   if (!(box.lo.x < box.hi.x && box.lo.y < box.hi.y)) return error(Errc::usage, option("bbox") + ": has no area");

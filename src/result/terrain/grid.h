@@ -9,9 +9,9 @@
 
 namespace tessera::terrain {
 
-// Part of the one grid of pixels of a width that covers the plane: the centre of column i is at (i + 0.5) * res,
-// rounded once, and so is that of row i. So the pixels of two rasters of one width are the same where both have them.
-// Rows are counted upwards, lines, as in files, from the top.
+// A part of the one grid of pixels of width `res` that covers the plane. The centre of column i is at (i + 0.5) * res,
+// rounded once, and so is that of row i. So two rasters with the same width share the pixels that both have. Rows are
+// counted upwards; lines, as in files, from the top.
 struct Grid {
   double res = 1;                      // width and height of a pixel, in units of the coordinates
   std::int64_t column0 = 0, row0 = 0;  // the first column, the lowest row
@@ -23,13 +23,13 @@ struct Grid {
   std::int64_t line(std::int64_t row) const { return row0 + height - 1 - row; }
 };
 
-// Pixels that are so small that coordinates of the vertices tell hardly one from the next are refused: a double has 52
-// bits, and one of a place this many at most.
+// Smaller pixels are refused, because the coordinates of vertices hardly tell one from the next: a double has 52 bits,
+// and a position in pixels has at most as many bits as this number.
 inline constexpr double pixels_max = 0x1p40;
 
-// All pixels that meet the inside of `box`. `vertices`: bounds of all. Error usage: a res that is not finite and above
-// 0, or too small for them; an empty box; more pixels than GDAL can count. `key`: of the option that gives `res`, or a
-// number of it.
+// Returns all pixels that meet the interior of `box`. `vertices` has the bounds of all vertices. `key` names the option
+// that has `res`, or says of which option it is. Error usage: `res` is not finite, not above 0, or too small; the box
+// is empty; GDAL cannot count the pixels.
 Result<Grid> grid_over(double res, const Bounds& box, const Bounds& vertices, std::string_view key = "res");
 
 }  // namespace tessera::terrain

@@ -31,7 +31,7 @@ Status shade(DemArray& array, double res, const Light& light, const std::stop_to
   const auto close = [&](void* dataset) { gdal->GDALClose(dataset); };
   using Dataset = std::unique_ptr<void, decltype(close)>;
   const int width = static_cast<int>(array.width), height = static_cast<int>(array.height);
-  // Of 32 bits, as in the files of which the command makes a hillshade.
+  // With 32 bits, as in the files of which the command makes a hillshade.
   const Dataset heights(gdal->GDALCreate(gdal->GDALGetDriverByName("MEM"), "", width, height, 1, GDT_Float32, nullptr),
                         close);
   if (!heights) return refused();

@@ -11,12 +11,12 @@
 
 namespace tessera::terrain {
 
-// What `gdaldem hillshade` is told: with this light, and as with -compute_edges, pixels beside those without a height,
-// too, by Horn's formula.
+// The words for `gdaldem hillshade` with this light: as with -compute_edges, also for pixels beside those without a
+// height, by Horn's formula.
 std::vector<std::string> hillshade_words(const Light& light);
 
-// In place of the array's heights its hillshade, from 1 to 255; NaN where there is none. `res`: the width of a pixel.
-// Errors: io without GDAL, or when it fails; interrupted.
+// Replaces the array's heights by their hillshade, from 1 to 255; NaN where there is no height. `res` is the width of a
+// pixel. Errors: io without GDAL, or when it fails; interrupted.
 Status shade(DemArray& array, double res, const Light& light, const std::stop_token& stop);
 
 }  // namespace tessera::terrain

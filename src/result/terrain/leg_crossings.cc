@@ -13,11 +13,11 @@ namespace {
 
 using Exact = boost::multiprecision::cpp_rational;
 
-// A place on the leg, as a part of it that is off by `error` at most.
+// A place on the leg, as a fraction of the leg that is off by at most `error`.
 struct Place {
   Crossing crossing;
   double error = 0;
-  Point u, v;  // of an edge
+  Point u, v;  // ends of an edge
   std::size_t cell = 0;
 };
 
@@ -29,7 +29,7 @@ Number area(const Point& a, const Point& b, const Point& p, Number* size = nullp
   return left - right;
 }
 
-// Where the line from p to q meets the one through a and b, as a part of the way.
+// Where the line from p to q meets the line through a and b, as a fraction of the way from p to q.
 Exact ratio_exactly(const Point& a, const Point& b, const Point& p, const Point& q) {
   const Exact at_p = area<Exact>(a, b, p);
   return at_p / Exact(at_p - area<Exact>(a, b, q));
@@ -43,7 +43,7 @@ Ratio ratio(const Point& a, const Point& b, const Point& p, const Point& q) {
   using std::abs;
   double size_p = 0, size_q = 0;
   const double at_p = area<double>(a, b, p, &size_p), at_q = area<double>(a, b, q, &size_q);
-  // As in cell_raster.cc: an area is off by at most 4 u of its size.
+  // As in cell_raster.cc, an area is off by at most 4 u of its size.
   const double whole = at_p - at_q, off = 0x1p-50 * (size_p + size_q);
   if (std::abs(whole) > 1e-250 && off < 1e-13 * std::abs(whole))
     return {std::clamp(at_p / whole, 0.0, 1.0), 4 * off / std::abs(whole) + 0x1p-50};
@@ -56,12 +56,12 @@ class Leg {
       : from_(leg.from), to_(leg.to), axis_(std::abs(to_.x - from_.x) >= std::abs(to_.y - from_.y) ? 0 : 1) {}
 
   int side(const Point& p) const { return exact::orientation_2(from_, to_, p); }
-  // REQUIRES: p is on the line through the leg.
+  // True if p is on the leg. REQUIRES: p is on the line through the leg.
   bool has(const Point& p) const {
     return std::min(from_[axis_], to_[axis_]) <= p[axis_] && p[axis_] <= std::max(from_[axis_], to_[axis_]);
   }
   Place at_point(Crossing::Kind kind, const std::array<PointId, 3>& ids, const Point& p, double value) const {
-    // Halves: the leg may be longer than a double says.
+    // Halves, because the length of the leg may overflow a double.
     const double part = (p[axis_] / 2 - from_[axis_] / 2) / (to_[axis_] / 2 - from_[axis_] / 2);
     Place place{.crossing = {.kind = kind, .ids = ids, .at = p, .part = part, .value = value},
                 .error = 0x1p-50,
@@ -70,7 +70,7 @@ class Leg {
     if (!std::isfinite(part)) place.crossing.part = static_cast<double>(exactly(place));
     return place;
   }
-  // REQUIRES: they are on different sides.
+  // REQUIRES: u and v are on different sides.
   Place at_edge(const Corner& u, const Corner& v) const {
     const Ratio part = ratio(u.at, v.at, from_, to_), along = ratio(from_, to_, u.at, v.at);
     const auto between = [&](double a, double b) {
@@ -90,7 +90,7 @@ class Leg {
     const Exact from(from_[axis_]);
     return (Exact(place.u[axis_]) - from) / Exact(Exact(to_[axis_]) - from);
   }
-  // -1, 0, 1 as the places are in this order, the same, or in the other order.
+  // Returns -1, 0 or 1 when a is before, at or after b on the leg.
   int order(const Place& a, const Place& b) const {
     const double apart = a.crossing.part - b.crossing.part;
     if (std::abs(apart) > a.error + b.error) return apart < 0 ? -1 : 1;
@@ -102,10 +102,10 @@ class Leg {
 
  private:
   Point from_, to_;
-  int axis_;  // the one along which the leg is longer
+  int axis_;  // the axis along which the leg is longer
 };
 
-// Of one cell.
+// Adds the places of one cell.
 void add_places(const Leg& leg, const Triangle& cell, std::size_t number, std::vector<Place>& places) {
   const std::size_t before = places.size();
   std::array<int, 3> side{};
@@ -154,7 +154,7 @@ std::vector<Crossing> crossings(const query::Leg& line, std::span<const Triangle
     first = std::min(first, result.size() - 1);
     last = std::max(last, result.size() - 1);
   }
-  // A cell is convex, and there is nothing between two of its places.
+  // A cell is convex, so there is nothing between two of its places.
   for (const auto& [first, last] : of_cell)
     for (std::size_t i = first; i < last; ++i) result[i].joined = true;
   return result;

@@ -1,4 +1,4 @@
-// Where a straight line in the plane meets the edges and vertices of triangles.
+// Finds where a straight line in the plane meets the edges and vertices of triangles.
 #pragma once
 
 #include <array>
@@ -14,16 +14,17 @@
 namespace tessera::terrain {
 
 struct Crossing {
-  enum class Kind : std::uint8_t { vertex, end, edge };  // where several are in one place, the first of them
+  enum class Kind : std::uint8_t { vertex, end, edge };  // of several in one place, the first kind counts
   Kind kind = Kind::vertex;
-  std::array<PointId, 3> ids{};  // of the vertex thrice, of the cell ascending, of the edge with the lower one twice
+  std::array<PointId, 3> ids{};  // vertex: its id three times; cell: ascending; edge: the lower id twice
   Point at;
   double part = 0;  // of the line up to here, 0..1
   double value = 0;
-  bool joined = false;  // with the next by a cell
+  bool joined = false;  // a cell joins it with the next crossing
 };
 
-// Of each place one, in the order of the line, exactly. REQUIRES: cells are counterclockwise and do not overlap.
+// Returns one crossing for each place, in the exact order along the line. REQUIRES: cells are counterclockwise and do
+// not overlap.
 std::vector<Crossing> crossings(const query::Leg& leg, std::span<const Triangle> cells);
 
 }  // namespace tessera::terrain

@@ -6,11 +6,11 @@
 
 namespace tessera::terrain {
 
-// Level k is base + k * interval, of the decimals that these stand for, and rounded once: so a height that a file gives
-// as 0.3 is at the third level of 0.1, as it would not be with the doubles' own product.
+// Level k is base + k * interval, computed from the decimals for which these doubles stand, and rounded once. So a
+// height that a file gives as 0.3 is at the third level of 0.1, which the product of the doubles would miss.
 class Levels {
  public:
-  // REQUIRES: finite, the interval above 0.
+  // REQUIRES: both are finite, and the interval is above 0.
   Levels(double interval, double base) : interval_(interval), base_(base) {
     constexpr double integers_max = 0x1p53;
     for (double parts = 1; parts <= 1e15; parts *= 10) {
@@ -24,7 +24,7 @@ class Levels {
     }
   }
 
-  // Of heights beyond base by more intervals than this, two levels might be one double.
+  // For heights further from base than this many intervals, two levels might be the same double.
   static constexpr double number_max = 0x1p40;
 
   double interval() const { return interval_; }
@@ -33,7 +33,7 @@ class Levels {
     const auto number = static_cast<double>(k);
     return parts_ > 0 ? std::fma(number, step_, first_) / parts_ : std::fma(number, interval_, base_);
   }
-  // The first level above z. REQUIRES: z is finite, and within number_max levels.
+  // The first level above z. REQUIRES: z is finite and within number_max levels.
   std::int64_t above(double z) const {
     auto k = static_cast<std::int64_t>(std::floor((z - base_) / interval_));
     while (height(k) > z) --k;
@@ -43,7 +43,7 @@ class Levels {
 
  private:
   double interval_, base_;
-  // Both as integers of 1 / parts_, a power of ten; 0: they are no short decimals.
+  // Both as integers in units of 1 / parts_, a power of ten; 0: they are not short decimals.
   double parts_ = 0, step_ = 0, first_ = 0;
 };
 

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The attribute that says which lines are index lines; columns of tables have no case.
+// The name of the attribute that marks index lines; names of columns ignore case.
 const char* index_field(const std::string& value) {
   constexpr std::string_view name = "index";
   const bool taken = value.size() == name.size() &&
@@ -36,7 +36,7 @@ class GeoPackageLines : public LineFile {
       : file_(std::move(file)), layer_(layer), heights_(heights) {}
 
   Status add(double value, bool index, std::span<const Point> points) override {
-    // Little endian, the numbers of ISO.
+    // Little endian, with ISO's type numbers.
     const std::uint32_t head[] = {heights_ ? 1002U : 2U, static_cast<std::uint32_t>(points.size())};
     const std::size_t axes = heights_ ? 3 : 2;
     wkb_.resize(1 + sizeof head + points.size() * axes * sizeof(double));

@@ -1,4 +1,4 @@
-// Lines as a file of maps.
+// Writes lines to a map file.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,17 @@ struct LineFileOptions {
   std::string crs;         // as a manifest has it
   std::string layer;       // its name
   std::string value;       // the name of the lines' attribute beside `index`
-  bool heights = true;     // whether that is the lines' height, too
-  bool overwrite = false;  // a file that exists
+  bool heights = true;     // whether that attribute is the lines' height
+  bool overwrite = false;  // replace an existing file
 };
 
-// Is there whole, after finish(), or not at all.
+// A file of lines. It appears only when it is complete, after finish().
 class LineFile {
  public:
-  // By the target's ending: .gpkg, .geojson, .json. Error usage for another one, a folder, a file that exists.
+  // Checks the target's ending: .gpkg, .geojson or .json. Error usage for another ending, a folder, or an existing
+  // file.
   static Status check_target(const std::filesystem::path& target, bool overwrite);
-  // Errors, here and below: io; bad_input when GDAL does not understand the system.
+  // Errors, here and below: io; bad_input when GDAL does not know the coordinate system.
   static Result<std::unique_ptr<LineFile>> create(const std::filesystem::path& target, const LineFileOptions& options);
   virtual ~LineFile() = default;
   virtual Status add(double value, bool index, std::span<const Point> points) = 0;

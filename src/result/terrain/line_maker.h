@@ -1,4 +1,4 @@
-// From the pieces of contour lines in cells to lines, some levels at once.
+// Makes lines from the pieces of contour lines in cells, some levels at a time.
 #pragma once
 
 #include <algorithm>
@@ -19,27 +19,27 @@ namespace tessera::terrain {
 
 class LineMaker {
  public:
-  // A piece, and the point of a line that it makes.
+  // The memory of a piece and of the line's point that it makes.
   static constexpr std::uint64_t piece_bytes = sizeof(Piece) + 2 * sizeof(std::size_t) + sizeof(LinePoint);
   static constexpr std::uint64_t pieces_least = 1 << 16;
 
-  // `vertices_max`: of all lines, 0 when there is no bound.
+  // `vertices_max` bounds the vertices of all lines; 0: no bound.
   LineMaker(ContourLines& lines, std::uint64_t vertices_max, std::stop_token stop)
       : lines_(lines), vertices_max_(vertices_max), stop_(std::move(stop)) {}
 
-  // The lines of `cells`, which are ContourCells or SquareCells, with about `memory_bytes` for pieces. Safe to call
-  // from several threads. Errors: usage when there are too many levels; memory beyond the bound; of ContourLines.
-  // Throws Stopped.
+  // Adds the lines of `cells`, which are ContourCells or SquareCells, with about `memory_bytes` for pieces. Safe to
+  // call from several threads. Errors: usage when there are too many levels; memory beyond the bound; those of
+  // ContourLines. Throws Stopped.
   template <class Cells>
   Status add(const Cells& cells, std::uint64_t memory_bytes) {
     BOOST_OUTCOME_TRYV(check_levels(cells));
-    // At once: so many are sorted in some tenths of a second, between two looks at whether to stop.
+    // Sorting this many takes some tenths of a second, in which a stop is not noticed.
     constexpr std::uint64_t pieces_at_once = 1 << 21;
     const std::uint64_t pieces_max = std::clamp(memory_bytes / piece_bytes, pieces_least, pieces_at_once);
     const std::vector<std::uint64_t> most = cells.most_pieces();
     std::vector<Piece> pieces;
     std::vector<LinePoint> points;
-    // So many levels at once as there is room for.
+    // As many levels at a time as there is room for.
     for (std::int64_t begin = cells.begin(), end = begin; begin < cells.end(); begin = end) {
       std::uint64_t count = 0;
       do count += most[static_cast<std::size_t>(end++ - cells.begin())];
@@ -61,7 +61,7 @@ class LineMaker {
     return success();
   }
 
-  // Also cells whose levels could not be counted in memory have an interval that is none.
+  // Error usage for too many levels, which could not be counted in memory: the interval must be wrong.
   template <class Cells>
   static Status check_levels(const Cells& cells) {
     constexpr std::int64_t levels_max = 1 << 22;

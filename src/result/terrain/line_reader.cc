@@ -37,7 +37,7 @@ Result<std::unique_ptr<LineReader>> LineReader::open(const std::filesystem::path
   const auto refused = [&] { return error(Errc::usage, path.string() + ": holds no contour lines"); };
   if (!check_regular(path)) return refused();  // GDAL would wait for a named pipe
   const char* const drivers[] = {"GPKG", nullptr};
-  // A file that is replaced as a whole, and never changed.
+  // The file may be replaced as a whole, but is never changed.
   const char* const choices[] = {"IMMUTABLE=YES", nullptr};
   const GDALDatasetH dataset =
       gdal->GDALOpenEx(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, choices, nullptr);
@@ -63,7 +63,7 @@ Status LineReader::for_each(std::uint64_t after, const std::optional<Bounds>& bo
                             const std::function<Result<bool>(Line& line)>& visit) const {
   const DefaultArithmetic kept;
   const GdalQuiet quiet(gdal_);
-  // The names of columns are those that GDAL gives in the files that we write.
+  // The names of the columns are those that GDAL gives in files that we write.
   std::string sql = "SELECT fid AS line_number, " + quoted(value_name_) + " AS line_value, " +
                     (index_name_.empty() ? "NULL" : quoted(index_name_)) +
                     " AS line_index, geom FROM contours WHERE fid > " + text_of(after);

@@ -1,4 +1,4 @@
-// The lines of a GeoPackage that write_contours() has made, a few at a time.
+// Reads the lines of a GeoPackage that write_contours() has made, a few at a time.
 #pragma once
 
 #include <cstdint>
@@ -17,23 +17,23 @@ namespace tessera::terrain {
 
 class LineReader {
  public:
-  // Error usage when the file is no such one; io without GDAL.
+  // Error usage when the file is not such a GeoPackage; io without GDAL.
   static Result<std::unique_ptr<LineReader>> open(const std::filesystem::path& path);
   ~LineReader();
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
 
-  const std::string& value_name() const { return value_name_; }  // of the lines' attribute beside `index`
+  const std::string& value_name() const { return value_name_; }  // the name of the lines' attribute beside `index`
   std::uint64_t lines() const;                                   // all
 
   struct Line {
     std::uint64_t number = 0;  // ascending, by level
     double value = 0;
-    std::optional<bool> index = {};  // none in files of releases before it was there
+    std::optional<bool> index = {};  // nothing in files of releases that did not write it
     std::vector<Point> points;
   };
-  // Gives `visit` the lines whose number is above `after`, ascending, those alone whose box meets `box`, if there is
-  // one; until it says that it has enough (false). Errors: of `visit`; io.
+  // Passes to `visit`, in ascending order, the lines whose number is above `after` and whose box meets `box`, if there
+  // is one, until `visit` returns false. Errors: those of `visit`; io.
   Status for_each(std::uint64_t after, const std::optional<Bounds>& box,
                   const std::function<Result<bool>(Line& line)>& visit) const;
 

@@ -22,7 +22,7 @@ Status link_pieces(std::vector<Piece>& pieces,
     goes_on[next[i]] = true;
   }
   std::vector<TileEdge> edges;
-  // First what begins somewhere, then what is closed.
+  // First the open lines, then the closed ones.
   for (const bool closed : {false, true}) {
     for (std::size_t first = 0; first < pieces.size(); ++first) {
       if (used[first] || (!closed && goes_on[first])) continue;

@@ -1,4 +1,4 @@
-// The pieces of contour lines in a tile, linked to lines.
+// Links the pieces of contour lines in a tile.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace tessera::terrain {
 
-// Sorts the pieces, and calls give(level, edges) for each line of them: the edges that it passes, of a closed one the
-// first again at its end.
+// Sorts the pieces, and calls give(level, edges) for each line: the edges that it crosses. A closed line ends with its
+// first edge again.
 Status link_pieces(std::vector<Piece>& pieces,
                    const std::function<Status(std::int64_t level, const std::vector<TileEdge>& edges)>& give);
 

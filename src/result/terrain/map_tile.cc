@@ -16,7 +16,7 @@ namespace tessera::terrain {
 namespace {
 
 constexpr int side = 256;
-constexpr double radius = 6378137, half = std::numbers::pi * radius;  // of web mercator's sphere; of its map
+constexpr double radius = 6378137, half = std::numbers::pi * radius;  // radius of the sphere, half of the map's width
 constexpr double latitude_max = 85.05112877980659;                    // where the map ends
 
 std::string text_of(double number) {
@@ -85,7 +85,7 @@ Result<std::unique_ptr<HeightRaster>> HeightRaster::open(const std::filesystem::
   return raster;
 }
 
-// Heights as floats; where there are none, NaN.
+// Heights as floats; NaN where there is no height.
 Result<GDALDatasetH> HeightRaster::warped(const Bounds& bounds, int pixels) const {
   const GdalQuiet quiet(gdal_);
   const std::string width = std::to_string(pixels);
@@ -128,13 +128,13 @@ Result<std::string> HeightRaster::draw(const MapTile& tile, MapStyle style) cons
   std::vector<Band> image(bands, Band(all, 0));
   if (bounds.hi.x < box_.lo.x || box_.hi.x < bounds.lo.x || bounds.hi.y < box_.lo.y || box_.hi.y < bounds.lo.y)
     return png(image);
-  // With a pixel around it, whose slopes the light needs.
+  // With one more pixel around, because the light needs the slopes there.
   const double pixel = (bounds.hi.x - bounds.lo.x) / side;
   const Bounds wider{{bounds.lo.x - pixel, bounds.lo.y - pixel, 0}, {bounds.hi.x + pixel, bounds.hi.y + pixel, 0}};
   BOOST_OUTCOME_TRY(heights, warped(wider, side + 2));
   GDALDatasetH drawn = heights;
   if (style == MapStyle::hillshade) {
-    // The map is drawn larger than the ground by this.
+    // The scale by which the map is larger than the ground.
     const double scale = std::cosh((bounds.lo.y + bounds.hi.y) / 2 / radius);
     Choices choices({"-of", "MEM", "-compute_edges", "-z", text_of(scale)});
     GDALDEMProcessingOptions* options = gdal_.GDALDEMProcessingOptionsNew(choices.get(), nullptr);
@@ -179,7 +179,7 @@ Result<std::string> HeightRaster::png(const std::vector<Band>& bands) const {
     good =
         good && gdal_.GDALRasterIO(gdal_.GDALGetRasterBand(image, static_cast<int>(b) + 1), GF_Write, 0, 0, side, side,
                                    const_cast<unsigned char*>(bands[b].data()), side, side, GDT_Byte, 0, 0) == CE_None;
-  // Of this reader alone, which is one thread's.
+  // The name belongs to this reader alone, which one thread uses.
   const std::string file = "/vsimem/tessera-" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) + ".png";
   Choices choices({"ZLEVEL=6"});
   const GDALDatasetH written =

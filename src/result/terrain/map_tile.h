@@ -1,4 +1,4 @@
-// Tiles of web maps (OGC's WebMercatorQuad), drawn of a raster of heights that write_dem() has made.
+// Draws tiles of web maps (OGC's WebMercatorQuad) from a raster of heights that write_dem() has made.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace tessera::terrain {
 
-// The whole map is one tile at level 0, and each tile four of the next; rows from the top.
+// The whole map is one tile at level 0, and each tile is divided into four at the next level. Rows count from the top.
 struct MapTile {
   static constexpr int levels = 25;
   int level = 0;
@@ -32,7 +32,7 @@ enum class MapStyle : std::uint8_t {
 
 class HeightRaster {
  public:
-  // Error usage when the file is no such raster, or has no coordinate system of maps; io without GDAL.
+  // Error usage when the file is no such raster or has no coordinate system; io without GDAL.
   static Result<std::unique_ptr<HeightRaster>> open(const std::filesystem::path& path);
   ~HeightRaster();
   HeightRaster(const HeightRaster&) = delete;

@@ -41,7 +41,8 @@ Result<std::vector<terrain::Triangle>> surface(const query::StoredTriangulation&
   return cells;
 }
 
-// With so many decimals, those that are zeros left out; digits_all: the shortest that read back as the same double.
+// Writes up to `decimals` decimals, without trailing zeros; digits_all: the shortest digits that are read back as the
+// same double.
 void add_number(std::string& to, double number, int decimals) {
   char digits[400];  // a double may have 309 before the point
   char* const end = digits + sizeof digits;
@@ -57,13 +58,13 @@ void add_number(std::string& to, double number, int decimals) {
   to += text == "-0" ? "0" : text;
 }
 
-// Ten-thousandths, which files of surveys rarely resolve, or what is as fine for smaller numbers than `usual`.
+// Four decimals, which survey files rarely exceed, or more for numbers below `usual`, so that they are as precise.
 int decimals_of(double most, double usual, int decimals) {
   if (most >= usual || most == 0 || !std::isfinite(most)) return 4;
   return std::min(decimals + std::max(0, -static_cast<int>(std::floor(std::log10(most)))), digits_most);
 }
 
-// Of distances and places, and of values.
+// The decimals of distances and coordinates, and those of values.
 std::pair<int, int> decimals_of(std::span<const ProfilePoint> points, int digits) {
   if (digits != digits_of_data) return {digits, digits};
   double farthest = 0, most = 0;
@@ -85,7 +86,7 @@ Result<std::vector<ProfilePoint>> profile(const query::StoredTriangulation& resu
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   std::vector<ProfilePoint> points;
   double before = 0;     // length of the legs before
-  bool goes_on = false;  // the surface is below where the last leg ended
+  bool goes_on = false;  // the surface continues from the end of the last leg
   std::uint64_t part = 0;
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const query::Leg leg{line[i], line[i + 1]};
@@ -96,7 +97,7 @@ Result<std::vector<ProfilePoint>> profile(const query::StoredTriangulation& resu
     for (std::size_t k = 0; k < places.size(); ++k) {
       const auto& place = places[k];
       const bool at_from = place.part == 0;
-      if (k == 0 && goes_on && at_from) continue;  // where the last one ended
+      if (k == 0 && goes_on && at_from) continue;  // the last leg ended there
       if (!points.empty() && (k == 0 || !places[k - 1].joined)) ++part;
       points.push_back({before + place.part * length, place.at.x, place.at.y, place.value, part});
     }

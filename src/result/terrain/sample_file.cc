@@ -10,7 +10,7 @@
 namespace tessera::terrain {
 namespace {
 
-// In the file a value is the bits in which it differs from this NaN: a hole, which reads as zeros, is no value.
+// A value is stored as its bits, exclusive or those of this NaN. So a hole, which reads as zeros, is no value.
 constexpr std::uint64_t no_value = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN());
 
 std::uint64_t stored(double value) { return std::bit_cast<std::uint64_t>(value) ^ no_value; }
@@ -30,7 +30,7 @@ Status SampleFile::add(Blocks& blocks) const {
     std::uint64_t run[block_side];
     for (std::int64_t line = 0; line < height; ++line) {
       const double* pixels = block.pixels + line * block_side;
-      // Runs of pixels that were drawn: what others draw between them stays.
+      // Writes runs of drawn pixels, because other threads may draw the pixels between.
       for (std::int64_t begin = 0, end = 0; status && begin < width; begin = end + 1) {
         for (end = begin; end < width && !std::isnan(pixels[end]); ++end) run[end - begin] = stored(pixels[end]);
         if (end == begin) continue;

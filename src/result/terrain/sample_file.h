@@ -1,4 +1,4 @@
-// The pixels of a grid, on disk: drawn in any order, by several threads, and read back in parts.
+// The pixels of a grid on disk: several threads draw them in any order, and they are read back in parts.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@
 
 namespace tessera::terrain {
 
-// 8 bytes a pixel in a file without a name; a pixel that has no value takes none where the file system has holes.
+// An unnamed file with 8 bytes a pixel. Pixels without a value take no room where the file system has holes.
 class SampleFile {
  public:
   // Errors, here and below: io, and those of the thread's ledger.
   static Result<SampleFile> create(const std::filesystem::path& folder, const Grid& grid);
   const Grid& grid() const { return grid_; }
-  // The pixels that were drawn; then there are none. Safe to call from several threads.
+  // Takes the pixels that were drawn, and leaves none in `blocks`. Safe to call from several threads.
   Status add(Blocks& blocks) const;
-  // The values of `part`, row by row from the lowest: NaN where nothing was drawn, and outside of the grid.
+  // The values of `part`, row by row from the lowest; NaN where nothing was drawn, and outside the grid.
   Status read(const Grid& part, std::vector<double>& values) const;
 
  private:

@@ -10,10 +10,10 @@
 namespace tessera::terrain {
 namespace {
 
-constexpr std::int64_t samples_a_node = 4;  // a side of a square has so many
+constexpr std::int64_t samples_a_node = 4;  // samples along a side of a square
 constexpr std::int64_t reach = 4;           // samples on each side of a node
 
-// Of pairs of samples at so many from the node, in eighths.
+// The weights of samples by their distance from the node, in eighths.
 constexpr double weights[reach] = {7, 5, 3, 1};
 constexpr double weight_of_all = 2 * 16.0 * 2 * 16.0;
 
@@ -27,7 +27,7 @@ Lattice lattice_over(double res, const Bounds& box) {
   return nodes;
 }
 
-// `node`: the sample above and to the right of the node; `across`: samples in a row.
+// `node` is the sample above and to the right of the node; `across` is the number of samples in a row.
 double mean_around(const double* node, std::int64_t across) {
   double sum = 0, weight = 0;
   for (std::int64_t y = 0; y < reach; ++y) {

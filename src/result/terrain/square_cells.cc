@@ -27,7 +27,7 @@ SquareCells::Square SquareCells::square_at(std::int64_t column, std::int64_t row
   Square square{.nodes = {first, first + 1, first + above + 1, first + above}, .values = {}};
   for (std::size_t k = 0; k < 4; ++k) square.values[k] = values_[static_cast<std::size_t>(square.nodes[k])];
   const auto& v = square.values;
-  // NaN where one is.
+  // NaN if a value is NaN.
   if (std::isnan((v[0] + v[1]) + (v[2] + v[3]))) return square;
   const auto [least, most] = std::minmax({v[0], v[1], v[2], v[3]});
   square.low = static_cast<std::int64_t>(std::floor(least)) + 1;
@@ -56,7 +56,7 @@ Point SquareCells::crossing(const TileEdge& side, std::int64_t level) const {
   const double part = std::clamp((static_cast<double>(level) - at_a) / (at_b - at_a), least, 1 - least);
   const auto place = [&](std::int64_t from, std::int64_t to) {
     const double u = static_cast<double>(from) * part_.res, v = static_cast<double>(to) * part_.res;
-    return std::clamp(u + part * (v - u), u, v);  // ascends with the level's place, also when it is rounded
+    return std::clamp(u + part * (v - u), u, v);  // monotone in the level, also when rounded
   };
   const std::int64_t width = part_.width;
   return without_negative_zero({place(part_.column0 + side.a % width, part_.column0 + side.b % width),

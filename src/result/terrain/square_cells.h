@@ -1,10 +1,10 @@
-// The contour lines in squares of a grid between nodes with values, as pieces: marching squares.
+// The contour lines in squares of a grid between nodes with values, as pieces (marching squares).
 //
-// A line passes a side of a square where the value between its two nodes, linear, is the level, and goes straight from
-// side to side. Of a square with two opposite nodes above the level and two below, the mean of the four says which two
-// are joined. So at each side that a line passes one piece ends and one begins, and no two pieces of a square cross: a
-// piece cuts off nodes that are all on one side of its level, and so are all values between those. Lines are closed, or
-// end where a square has a node without a value.
+// A line crosses a side of a square where the linear value between the two nodes equals the level, and goes straight
+// from side to side. When two opposite nodes are above the level and two below, the mean of the four decides which two
+// are joined. So at each side that a line crosses, one piece ends and one begins, and no two pieces of a square cross:
+// a piece cuts off nodes that are all on one side of its level, and so are all values between them. Lines are closed,
+// or end at squares with a node without a value.
 #pragma once
 
 #include <algorithm>
@@ -24,32 +24,32 @@
 
 namespace tessera::terrain {
 
-// Nodes of the one lattice that covers the plane: node i is at i * res, and so in y.
+// Nodes of the one lattice that covers the plane: node i is at i * res in x, and likewise in y.
 struct Lattice {
   double res = 1;
   std::int64_t column0 = 0, row0 = 0;  // the first column, the lowest row
-  std::int64_t width = 0, height = 0;  // of nodes
+  std::int64_t width = 0, height = 0;  // in nodes
 };
 
 class SquareCells {
  public:
-  // `values`: of the nodes of `part`, row by row, in units of the interval, so that levels are whole numbers; no value
-  // is one. NaN: there is none. `whole`: has all nodes of `part`, which it numbers.
+  // `values` are those of the nodes of `part`, row by row, in units of the interval, so that levels are whole numbers;
+  // no value is a whole number; NaN: there is no value. `whole` contains all nodes of `part`, and numbers them.
   SquareCells(const Lattice& part, const Lattice& whole, std::vector<double> values);
 
   // The lowest level of a square, and one above the highest; equal when there is none.
   std::int64_t begin() const { return begin_; }
   std::int64_t end() const { return end_; }
-  // Whether a value is too far from zero to tell levels apart: then there are no pieces.
+  // True if a value is too far from zero to tell levels apart; then there are no pieces.
   bool too_far() const { return too_far_; }
-  // How many pieces a level has at most, from begin() on.
+  // An upper bound of the number of pieces of each level, from begin() on.
   std::vector<std::uint64_t> most_pieces() const;
-  // Where the level passes the side between two nodes: not at the nodes themselves, by a thousandth of the side, so
-  // that lines of one level do not meet there. The same bits whatever `part` is.
+  // Where the level crosses the side between two nodes: at least a thousandth of the side from the nodes, so that lines
+  // of one level do not meet there. The same bits whatever `part` is.
   Point crossing(const TileEdge& side, std::int64_t level) const;
   PointId id_of(std::int32_t node) const;
 
-  // Calls give(piece) for all pieces of levels from `begin` on to below `end`. Throws Stopped.
+  // Calls give(piece) for all pieces with levels from `begin` to below `end`. Throws Stopped.
   template <class Give>
   Status for_each_piece(std::int64_t begin, std::int64_t end, const Give& give, const std::stop_token& stop) const {
     StopCheck check(stop, squares_a_look);
@@ -70,12 +70,12 @@ class SquareCells {
   struct Square {
     std::array<std::int32_t, 4> nodes;  // counterclockwise
     std::array<double, 4> values;
-    std::int64_t low = 0, high = 0;  // its levels, to below `high`
+    std::int64_t low = 0, high = 0;  // its levels, up to below `high`
   };
   Square square_at(std::int64_t column, std::int64_t row) const;
 
-  // With what is above the level on the left: a piece begins where the sides, followed counterclockwise, go below the
-  // level, and ends where they come above.
+  // The higher side is on the left: a piece begins where the sides, followed counterclockwise, go below the level, and
+  // ends where they come above it.
   template <class Give>
   static void give_pieces(const Square& square, std::int64_t level, const Give& give) {
     const auto height = static_cast<double>(level);
@@ -85,14 +85,14 @@ class SquareCells {
       return TileEdge{std::min(a, b), std::max(a, b)};
     };
     const auto& v = square.values;
-    const bool joined = (v[0] + v[2]) + (v[1] + v[3]) > 4 * height;  // what is above, across the middle
+    const bool joined = (v[0] + v[2]) + (v[1] + v[3]) > 4 * height;  // the areas above the level join across the middle
     for (std::size_t k = 0; k < 4; ++k) {
       if (!above(k) || above(k + 1)) continue;
       std::size_t to = k;
       if (joined) {  // the next side on which they come above
         do ++to;
         while (above(to) || !above(to + 1));
-      } else {  // the last one
+      } else {  // the last such side
         to += 4;
         do --to;
         while (above(to) || !above(to + 1));

@@ -16,7 +16,7 @@ namespace tessera::terrain {
 
 namespace {
 
-// Where its points are, for whoever asked for a place without any.
+// The error of a box without points, with the bounds of the points.
 Error nothing_there(const Bounds& all) {
   const auto side = [](const char* name, double a, double b) {
     std::array<char, 80> text{};
@@ -50,7 +50,7 @@ Result<std::vector<std::size_t>> tiles_meeting(const TileSource& source, const s
   std::vector<std::size_t> tiles(source.tiles());
   std::iota(tiles.begin(), tiles.end(), std::size_t{0});
   const Bounds& all = manifest.bounds;
-  if (!box || manifest.region) return tiles;  // a region is one tile
+  if (!box || manifest.region) return tiles;  // a region has one tile
   const double width = std::min(box->hi.x, all.hi.x) - std::max(box->lo.x, all.lo.x);
   const double height = std::min(box->hi.y, all.hi.y) - std::max(box->lo.y, all.lo.y);
   const double whole = (all.hi.x - all.lo.x) * (all.hi.y - all.lo.y);

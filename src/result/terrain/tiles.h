@@ -1,4 +1,4 @@
-// Which tiles of a result are read.
+// Chooses which tiles of a result are read.
 #pragma once
 
 #include <cstddef>
@@ -15,26 +15,26 @@
 
 namespace tessera::terrain {
 
-// Error usage for a 3D result, whose cells are no surface over a plane, and for a longest edge that is no length.
+// Error usage for a 3D result, whose cells are no surface over a plane, and for a `max_edge` that is no length.
 Status check_surface(const std::filesystem::path& out, const Manifest& manifest, const std::optional<double>& max_edge);
 
-// Error usage, which says where the points are, when the box is outside of all of them.
+// Error usage when the box is outside of all points; the message says where the points are.
 Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box);
 
-// Memory that tiles may take while they are looked for; and when to end.
+// Memory for tiles during the search; and when to stop.
 struct Looking {
   std::uint64_t memory_bytes = 0;
   std::stop_token stop = {};
 };
 
-// Of a 2D result: the tiles that own a vertex of a cell that meets the closed box. Without a box all of them, as when
-// it covers half of the result or more: to find those that are not needed would take as long as to read them. Errors:
-// usage when there is none; of reading.
+// For a 2D result, returns the tiles that own a vertex of a cell that meets the closed box; or all tiles, when there is
+// no box or it covers half of the result, because a search would then take as long as reading. Errors: usage when there
+// is no such tile; those of reading.
 Result<std::vector<std::size_t>> tiles_meeting(const TileSource& source, const std::optional<Bounds>& box,
                                                const Looking& looking);
 
-// What there is to say of a drawing: that its coordinates have no system, that a region does not know all of its place.
-// Else empty.
+// Remarks about a drawing: that its coordinates have no coordinate system, or that a region does not know the whole
+// box. Else empty.
 std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box);
 
 }  // namespace tessera::terrain

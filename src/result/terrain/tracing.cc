@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::uint64_t ends_bytes_min = std::uint64_t{8} << 20;
 
-// What both ways of tracing have.
+// What both ways of tracing need.
 struct Work {
   const TileSource& source;
   const query::Column& column;
@@ -39,9 +39,9 @@ struct Work {
   std::stop_token stop;
 };
 
-// The cells left out for their edges.
+// Returns the number of cells left out because of their edges.
 Result<std::uint64_t> trace_tiles(const Work& work) {
-  // As a mesh with attributes and neighbours, its values, and what reading takes beside it.
+  // A tile is a mesh with attributes, neighbours and values, and reading needs some more.
   constexpr double tile_factor = 1.5;
   BOOST_OUTCOME_TRY(
       entries, tiles_meeting(work.source, work.options.box, {.memory_bytes = work.memory_bytes, .stop = work.stop}));
@@ -66,7 +66,7 @@ Result<std::uint64_t> trace_tiles(const Work& work) {
   return left_out.load();
 }
 
-// The samples of the surface, in `samples`; returns the cells left out for their edges.
+// Draws the samples of the surface into `samples`. Returns the number of cells left out because of their edges.
 Result<std::uint64_t> draw_samples(const Work& work, const SmoothPlan& plan, const SampleFile& samples,
                                    std::function<void(double)> progress) {
   const auto box = work.options.box ? std::optional(plan.around) : std::nullopt;
@@ -88,7 +88,7 @@ Result<std::uint64_t> trace_smooth(const Work& work, const SmoothPlan& plan, con
   BOOST_OUTCOME_TRY(left_out,
                     draw_samples(work, plan, samples, [&](double done) { work.progress(drawing_part * done); }));
   const std::vector<Lattice> parts = parts_of(plan.nodes);
-  // A part has its nodes, and 16 samples for each.
+  // A part has its nodes, and 16 samples for each node.
   constexpr std::uint64_t part_bytes = (part_squares + 2) * (part_squares + 2) * 17 * sizeof(double);
   const unsigned threads = static_cast<unsigned>(std::clamp<std::uint64_t>(
       std::min<std::uint64_t>(work.memory_bytes / (part_bytes + LineMaker::pieces_least * LineMaker::piece_bytes),
@@ -136,8 +136,8 @@ Result<Traced> trace(const fs::path& out, const fs::path& folder, const ContourO
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   BOOST_OUTCOME_TRYV(check_meets(manifest, options.box));
 
-  // A quarter for sorting, a quarter for what ends at borders, the rest for tiles. What ends at borders has no other
-  // place, so that a few megabytes are its own however little there is.
+  // A quarter of the memory is for sorting, a quarter for lines that end at borders, the rest for tiles. Lines that end
+  // at borders cannot go to disk, so they get a few megabytes in any case.
   const std::uint64_t quarter = options.memory_bytes / 4;
   BOOST_OUTCOME_TRY(lines, ContourLines::create(folder, {quarter, std::max(quarter, ends_bytes_min)}, stop));
   const Levels levels(options.interval, options.base);

@@ -1,4 +1,4 @@
-// The contour lines of a result, from its tiles to lines that wait on disk.
+// Traces the contour lines of a result, from its tiles to lines that are kept on disk.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace tessera::terrain {
 
-// Error usage for options that are wrong, and for a 3D result.
+// Error usage for wrong options and for a 3D result.
 Status check_contours(const std::filesystem::path& out, const Manifest& manifest, const ContourOptions& options);
 
-// Lines that were traced, and what they are of.
+// Lines that were traced, and their source.
 struct Traced {
   Manifest manifest;
   ContourLines lines;
   Levels levels;
-  std::uint64_t left_out = 0;  // cells, for their edges
+  std::uint64_t left_out = 0;  // cells left out because of their edges
 };
 
-// Of the surface as it is, or with options.smooth of a smooth one. `folder`: where lines and samples wait. `progress`:
-// is told the part that is done. Errors: of write_contours(), but those of the target.
+// Traces the lines of the surface, or with options.smooth of a smooth one. Lines and samples are kept in `folder`.
+// `progress` is called with the fraction that is done. Errors: those of write_contours(), except those of the target.
 Result<Traced> trace(const std::filesystem::path& out, const std::filesystem::path& folder,
                      const ContourOptions& options, const std::function<void(double)>& progress,
                      const std::stop_token& stop);

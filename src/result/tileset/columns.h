@@ -1,4 +1,4 @@
-// Attributes of vertices that viewers colour by.
+// Attributes of vertices by which viewers colour.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace tessera::tileset {
 
-// Where in the rows of a result an attribute is; size 0: there is none.
+// The place of an attribute in the rows of a result; size 0: there is no such attribute.
 struct Column {
   std::size_t offset = 0, size = 0;
   AttributeType type = AttributeType::f64;
@@ -29,7 +29,7 @@ inline Column find_column(const std::vector<Attribute>& schema, const std::strin
   return {};
 }
 
-// Rounded, and what T has that is nearest.
+// Rounds to the nearest value of type T.
 template <class T>
 T clamped(double value) {
   if (!(value > 0)) return 0;

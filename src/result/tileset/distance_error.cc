@@ -16,7 +16,7 @@ namespace {
 namespace geometry = boost::geometry;
 using Place = geometry::model::point<double, 3, geometry::cs::cartesian>;
 using Box = geometry::model::box<Place>;
-using Entry = std::pair<Box, std::uint32_t>;  // of a triangle
+using Entry = std::pair<Box, std::uint32_t>;  // with the number of its triangle
 using Tree = geometry::index::rtree<Entry, geometry::index::rstar<16>>;
 
 Place place(const Point& p) { return {p.x, p.y, p.z}; }
@@ -35,7 +35,7 @@ double square_to_segment(const Point& p, const Point& a, const Point& b) {
   return dot(d, d);
 }
 
-// To the plane, when p is above or below the triangle; else to the nearest edge.
+// The squared distance to the plane, when p is above or below the triangle; else to the nearest edge.
 double square_to_triangle(const Point& p, const Point& a, const Point& b, const Point& c) {
   const Point normal = cross(minus(b, a), minus(c, a));
   const double square = dot(normal, normal);
@@ -73,7 +73,7 @@ double square_to_surface(const Point& p, const Surface& surface, const Tree& tre
                                                      surface.vertices[corner[2]].at));
       farthest_box = std::max(farthest_box, geometry::comparable_distance(at, box));
     }
-    // No box that was not found is nearer than those that were.
+    // No box that was not found is nearer than the boxes that were.
     if (found.size() == tree.size() || nearest <= farthest_box) return nearest;
   }
 }

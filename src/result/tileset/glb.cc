@@ -7,7 +7,7 @@
 namespace tessera::tileset {
 namespace {
 
-// In the order in which triangles need them, which is what packs well.
+// Orders triangles and vertices as the triangles need them, which packs well.
 Surface in_reading_order(const Surface& surface) {
   Surface ordered{{}, std::vector<std::uint32_t>(surface.corners.size())};
   const std::size_t n = surface.vertices.size();
@@ -32,7 +32,7 @@ std::vector<std::byte> to_glb(const Surface& surface, const Point& origin) {
     positions.push_back(v.at);
     intensities.push_back({v.intensity});
     classes.push_back({v.classification});
-    tiles.push_back(static_cast<float>(v.tile.value));  // whole numbers below 2^24
+    tiles.push_back(static_cast<float>(v.tile.value));  // integers below 2^24
   }
   GlbFile file;
   file.add_positions(positions, origin);

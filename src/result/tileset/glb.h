@@ -1,4 +1,4 @@
-// A surface as binary glTF 2.0, small: quantised and compressed (KHR_mesh_quantization, EXT_meshopt_compression).
+// Writes a surface as small binary glTF 2.0: quantised and compressed (KHR_mesh_quantization, EXT_meshopt_compression).
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace tessera::tileset {
 
-// Coordinates are relative to `origin`, 65,535 steps over the surface's extent on each axis, in glTF's axes: x, z, -y.
-// Offset and step stand in the node, as doubles. Vertices have _INTENSITY, _CLASSIFICATION and _TILE. REQUIRES: the
+// Coordinates are relative to `origin`, in 65,535 steps over the surface's extent on each axis, in glTF's axes x, z,
+// -y. The node has offset and step as doubles. Vertices have _INTENSITY, _CLASSIFICATION and _TILE. REQUIRES: the
 // surface has triangles.
 std::vector<std::byte> to_glb(const Surface& surface, const Point& origin);
 

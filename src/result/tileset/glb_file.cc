@@ -11,7 +11,7 @@
 namespace tessera::tileset {
 namespace {
 
-constexpr int unsigned_byte = 5121, unsigned_short = 5123, unsigned_int = 5125, real = 5126;  // of glTF, OpenGL's
+constexpr int unsigned_byte = 5121, unsigned_short = 5123, unsigned_int = 5125, real = 5126;  // as in OpenGL
 constexpr int array_buffer = 34962, element_array_buffer = 34963;
 constexpr double steps = 65535;
 constexpr std::size_t short_indices_max = 65535;  // vertices; index 65535 would restart a primitive
@@ -35,7 +35,7 @@ void GlbFile::add_positions(std::span<const Point> positions, const Point& origi
     const double length = bounds.hi[axis] - bounds.lo[axis];
     step[axis] = length > 0 ? length / steps : 1;
   }
-  // -y grows where y falls: counted from the other end.
+  // -y grows where y falls, so it is counted from the other end.
   const auto top = static_cast<std::uint16_t>(std::lround((bounds.hi.y - bounds.lo.y) / step[1]));
   std::vector<PackedPosition> packed;
   packed.reserve(positions.size());
@@ -73,12 +73,12 @@ void GlbFile::add_floats(const char* name, const std::vector<float>& values) {
   add_vertices(name, values, {{"componentType", real}, {"type", "SCALAR"}});
 }
 void GlbFile::add_words(const char* name, const std::vector<std::uint32_t>& values) {
-  // Little-endian, as glTF and all machines that this is built for are.
+  // Little endian, as glTF and all supported machines are.
   add_vertices(name, values, {{"componentType", unsigned_short}, {"type", "VEC2"}});
 }
 
 void GlbFile::add_triangles(const std::vector<std::uint32_t>& corners, std::size_t vertices) {
-  meshopt_encodeIndexVersion(1);  // which EXT_meshopt_compression asks for
+  meshopt_encodeIndexVersion(1);  // required by EXT_meshopt_compression
   std::vector<unsigned char> packed(meshopt_encodeIndexBufferBound(corners.size(), vertices));
   packed.resize(meshopt_encodeIndexBuffer(packed.data(), packed.size(), corners.data(), corners.size()));
   const bool is_short = vertices <= short_indices_max;
@@ -104,7 +104,7 @@ std::vector<std::byte> GlbFile::finish(const Json& extras) const {
     document["bufferViews"] = views_;
     document["buffers"] = {
         {{"byteLength", bytes_.size()}},
-        // Where readers unpack to.
+        // The buffer into which readers unpack.
         {{"byteLength", unpacked_}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
   }
   document["scenes"] = Json::array({std::move(scene)});

@@ -1,4 +1,4 @@
-// A binary glTF 2.0 file as it grows: one mesh of triangles, compressed (EXT_meshopt_compression).
+// Builds a binary glTF 2.0 file piece by piece: one mesh of triangles, compressed (EXT_meshopt_compression).
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace tessera::tileset {
 
-// Strides of vertices are multiples of 4 in glTF, and in what is compressed.
+// glTF and the compression need strides of vertices that are multiples of 4.
 struct PackedPosition {
   std::uint16_t at[3], unused = 0;
 };
@@ -26,17 +26,18 @@ class GlbFile {
  public:
   using Json = nlohmann::ordered_json;
 
-  // 65,535 steps over their extent on each axis, in glTF's axes: x, z, -y. REQUIRES: there are some.
+  // Adds positions in 65,535 steps over their extent on each axis, in glTF's axes x, z, -y. REQUIRES: there are
+  // positions.
   void add_positions(std::span<const Point> positions, const Point& origin);
-  // Attributes of the vertices.
+  // Add attributes of the vertices.
   void add_shorts(const char* name, const std::vector<PackedShort>& values);
   void add_bytes(const char* name, const std::vector<PackedByte>& values);
   void add_floats(const char* name, const std::vector<float>& values);
-  // A whole number of 32 bits: its lower half and its upper.
+  // Adds 32-bit numbers as two halves, the lower one first.
   void add_words(const char* name, const std::vector<std::uint32_t>& values);
   void add_triangles(const std::vector<std::uint32_t>& corners, std::size_t vertices);
 
-  // All of it; without vertices a scene with nothing in it. `extras`: of the scene, or null.
+  // Returns the whole file; without vertices, an empty scene. `extras` belongs to the scene; may be null.
   std::vector<std::byte> finish(const Json& extras) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace tessera::tileset {
 namespace {
 
-// Buckets side by side over the plane, each with the triangles whose boxes meet it.
+// Buckets in a grid over the plane, each with the triangles whose boxes meet it.
 class Buckets {
  public:
   explicit Buckets(const Surface& surface) : surface_(surface), bounds_(surface.bounds()) {
@@ -52,7 +52,7 @@ double twice_area(const Point& a, const Point& b, const Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// The square of the distance in height; where p is beside the triangle, that of the distance to its nearest corner.
+// The squared distance in height; where p is beside the triangle, the squared distance to the nearest corner.
 double square_distance(const Point& p, const Point& a, const Point& b, const Point& c) {
   const double wa = twice_area(p, b, c), wb = twice_area(a, p, c), wc = twice_area(a, b, p), all = wa + wb + wc;
   const double slack = 1e-9 * std::abs(all);

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// A box of 3D Tiles: its middle, and half its sides as vectors.
+// A box of 3D Tiles: its centre, and half its sides as vectors.
 Json box_of(const Bounds& bounds, const Point& origin) {
   Json box = Json::array();
   for (int axis = 0; axis < 3; ++axis)
@@ -43,7 +43,7 @@ Json tile_of(const std::vector<NodeEntry>& nodes, std::size_t place, const Point
 
 Result<NodeFiles> NodeFiles::create(const fs::path& folder, const Bounds& bounds) {
   BOOST_OUTCOME_TRYV(make_directories(tileset_nodes_folder(folder)));
-  // A whole number, so that coordinates relative to it are as exact as they were.
+  // An integer, so that relative coordinates are as exact as absolute ones.
   Point origin;
   for (int axis = 0; axis < 2; ++axis) origin[axis] = std::round(bounds.lo[axis] / 2 + bounds.hi[axis] / 2);
   return NodeFiles(folder, origin);
@@ -73,7 +73,7 @@ Status NodeFiles::finish(std::size_t root, const Manifest& manifest) const {
   const Bounds& bounds = nodes_[root].bounds;
   const Json document{
       {"asset", {{"version", "1.1"}}},
-      // Of the whole when nothing of it is shown.
+      // The error when nothing is shown.
       {"geometricError", std::hypot(bounds.hi.x - bounds.lo.x, bounds.hi.y - bounds.lo.y, bounds.hi.z - bounds.lo.z)},
       {"root", std::move(tile)},
       {"extras",

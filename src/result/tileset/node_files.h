@@ -1,4 +1,4 @@
-// The files of a tileset's nodes, and the document that tells of them.
+// Writes the files of a tileset's nodes, and the document that lists them.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,10 @@ struct NodeEntry {
   Bounds bounds;
   double error = 0;  // in units of the coordinates
   std::uint64_t triangles = 0, bytes = 0, xxh3 = 0;
-  std::vector<std::size_t> children;  // by place; none: a leaf
+  std::vector<std::size_t> children;  // indices of nodes; empty for a leaf
 };
 
-// What viewers want to know before they have seen all of it.
+// What viewers need to know of the values before they have loaded all nodes.
 struct Ranges {
   std::uint16_t intensity = 0;  // the highest
   std::vector<bool> classes = std::vector<bool>(256);
@@ -30,10 +30,10 @@ struct Ranges {
 
 class NodeFiles {
  public:
-  // Below `folder`, which exists; `bounds` are of all points, in the plane.
+  // Writes below `folder`, which must exist. `bounds` has the bounds of all points in the plane.
   static Result<NodeFiles> create(const std::filesystem::path& folder, const Bounds& bounds);
 
-  // Writes the node's file. Returns its place. Error io.
+  // Writes a node's file. Returns the node's index. Error io.
   Result<std::size_t> add(const Surface& surface, double error, std::vector<std::size_t> children);
   // Writes the document. Error io.
   Status finish(std::size_t root, const Manifest& manifest) const;

@@ -13,10 +13,10 @@
 namespace tessera::tileset {
 namespace {
 
-// Of a positively oriented cell: the corners of the facet opposite each, seen from outside.
+// For a positively oriented cell, the corners of the facet opposite each corner, seen from outside.
 constexpr std::size_t facet_corners[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
-// The corners of cells, with what viewers colour by.
+// The corners of cells, with the values by which viewers colour.
 class Corners {
  public:
   explicit Corners(const query::CellSet& cells)
@@ -45,8 +45,8 @@ class Corners {
   Column intensity_, class_;
 };
 
-// Where the plane is between two vertices, one on each side: the same whichever cell asks, since it begins at the one
-// with the lower index.
+// Where the plane crosses the edge between two vertices, one on each side. The result is the same for each cell with
+// the edge, because the computation begins at the vertex with the lower source index.
 ShapeVertex between(const Corners& corners, std::size_t cell, std::size_t a, std::size_t b, const query::Plane& plane) {
   if (corners.id(b) < corners.id(a)) std::swap(a, b);
   const Point &from = corners.at(a), &to = corners.at(b);
@@ -61,7 +61,7 @@ double turn(const ShapeVertex& a, const ShapeVertex& b, const ShapeVertex& c, co
   return n.x * (uy * vz - uz * vy) + n.y * (uz * vx - ux * vz) + n.z * (ux * vy - uy * vx);
 }
 
-// What is left of a cell in the plane, in order around; fewer than three corners are nothing.
+// The intersection of a cell and the plane, in order around it; fewer than three corners mean nothing.
 std::vector<ShapeVertex> cut(const Corners& corners, std::size_t cell, const query::Plane& plane) {
   std::array<std::size_t, 4> above{}, below{};
   std::size_t n = 0, m = 0;
@@ -174,7 +174,7 @@ std::vector<std::byte> to_glb(const Shape& shape, const query::CellSet& cells, c
     positions.push_back(v.at);
     intensities.push_back({v.intensity});
     classes.push_back({v.classification});
-    tiles.push_back(static_cast<float>(cells.tiles[v.of].value));  // whole numbers below 2^24
+    tiles.push_back(static_cast<float>(cells.tiles[v.of].value));  // integers below 2^24
     places.push_back(static_cast<std::uint32_t>(cells.places[v.of]));
     seen.insert(v.classification);
     brightest = std::max(brightest, v.intensity);

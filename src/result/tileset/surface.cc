@@ -12,7 +12,7 @@
 namespace tessera::tileset {
 namespace {
 
-// Copies triangles of one surface, with the vertices they have.
+// Copies triangles of one surface, with their vertices.
 class Picker {
  public:
   explicit Picker(const Surface& from) : from_(from), number_(from.vertices.size(), none) {}
@@ -42,7 +42,7 @@ class Picker {
   std::vector<std::uint32_t> used_;
 };
 
-// Twice the middle of a triangle's extent: all that counts is the order.
+// Twice the middle of a triangle's extent. Only the order of these numbers is used.
 double middle(const Surface& surface, std::uint32_t triangle, int axis) {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -53,7 +53,7 @@ double middle(const Surface& surface, std::uint32_t triangle, int axis) {
   return lo + hi;
 }
 
-// Reorders the triangles so that those of the first half are before the others on the longest axis of them all.
+// Reorders the triangles so that those of the first half come first along the longest axis of the surface.
 std::size_t halve(const Surface& surface, std::span<std::uint32_t> triangles, int axes) {
   double lo[3], hi[3];
   for (int axis = 0; axis < axes; ++axis) {
@@ -79,9 +79,9 @@ std::size_t halve(const Surface& surface, std::span<std::uint32_t> triangles, in
   return half;
 }
 
-// The ends of the edges that triangles pass more often one way than the other, ascending.
+// The ends of the border edges, ascending: edges that triangles pass more often one way than the other.
 std::vector<std::uint32_t> ends_of_border(const Surface& surface) {
-  std::vector<std::array<std::uint32_t, 3>> edges;  // the lesser end, the greater, and whether it is passed downwards
+  std::vector<std::array<std::uint32_t, 3>> edges;  // lower end, higher end, whether it is passed downwards
   edges.reserve(surface.corners.size());
   for (std::size_t i = 0; i < surface.corners.size(); ++i) {
     const std::uint32_t from = surface.corners[i], to = surface.corners[i % 3 == 2 ? i - 2 : i + 1];
@@ -144,7 +144,7 @@ Surface join(std::span<const Surface* const> parts) {
 Surface simplify(const Surface& surface, std::size_t triangles) {
   if (surface.triangles() <= triangles) return surface;
   const auto n = static_cast<std::uint32_t>(surface.vertices.size());
-  // Floats around the middle: what is rounded decides which vertices go, not where they are.
+  // Floats relative to the middle. Rounding affects which vertices are removed, not where the others are.
   const Bounds bounds = surface.bounds();
   std::vector<std::array<float, 3>> positions;
   positions.reserve(surface.vertices.size());
@@ -154,8 +154,8 @@ Surface simplify(const Surface& surface, std::size_t triangles) {
       at[static_cast<std::size_t>(axis)] = static_cast<float>(v.at[axis] - (bounds.lo[axis] / 2 + bounds.hi[axis] / 2));
   }
   // What meshopt_simplify() takes for the border is not all of it: an edge that was folded onto it hides it, and
-  // vertices at one place are one. So each end of the border gets a triangle that nothing else touches, by which it is
-  // locked.
+  // vertices at one place count as one. So each end of the border gets an extra triangle that touches nothing else,
+  // which locks the vertex.
   std::vector<std::uint32_t> corners = surface.corners;
   const std::vector<std::uint32_t> fixed = ends_of_border(surface);
   for (const std::uint32_t v : fixed) {
@@ -168,7 +168,7 @@ Surface simplify(const Surface& surface, std::size_t triangles) {
     }
   }
   std::vector<std::uint32_t> made(corners.size());
-  constexpr float any_error = 1e9F;  // how many triangles there are is what is asked for
+  constexpr float any_error = 1e9F;  // only the number of triangles counts
   const std::size_t left = meshopt_simplify(made.data(), corners.data(), corners.size(), positions[0].data(),
                                             positions.size(), sizeof positions[0], 3 * (triangles + fixed.size()),
                                             any_error, meshopt_SimplifyLockBorder, nullptr);

@@ -30,10 +30,10 @@ namespace fs = std::filesystem;
 namespace tileset {
 namespace {
 
-// In units of the coordinates, from the origin: what readers hold in 32 bits, with room for products.
+// In units of the coordinates, from the origin: 32-bit floats can hold this, with room for products.
 constexpr double farthest = 1e15;
 
-// A part of the surface whose file is written, as long as its parent needs it.
+// A part of the surface whose file is written. It is kept as long as its parent needs it.
 struct Built {
   Surface surface;
   std::size_t place = 0;
@@ -55,7 +55,7 @@ class Making {
         classes_(find_column(manifest_.schema, "classification")),
         closed_(options.surface_of.has_value()) {}
 
-  // Of all tiles below this row of the partition, or of this leaf; none when they have no triangles.
+  // The parts of all tiles below this row of the partition, or of this leaf; empty when they have no triangles.
   Result<std::vector<Built>> build(std::int32_t row) {
     std::vector<Built> parts;
     if (row < 0) {
@@ -65,7 +65,7 @@ class Making {
       parts.push_back(std::move(built));
       return parts;
     }
-    // Two levels of halves at a time, so that a node has four children.
+    // Two levels of splits at a time, so that a node has four children.
     for (const std::int32_t half : partition_.splits()[static_cast<std::size_t>(row)].child) {
       std::vector<std::int32_t> below{half};
       if (half >= 0) {
@@ -90,7 +90,7 @@ class Making {
  private:
   Result<Surface> load(TileId id) {
     const auto index = source_.find(id);
-    if (!index) return Surface{};  // it has no points
+    if (!index) return Surface{};  // the tile has no points
     BOOST_OUTCOME_TRY(tile, source_.stopped_by(stop_).read(*index, {.rows = true}));
     const TileMesh& mesh = tile.mesh;
     const std::size_t row = row_bytes(manifest_.schema);
@@ -202,7 +202,7 @@ Status check_result(const fs::path& out, const Manifest& manifest) {
   return success();
 }
 
-// A tile as it is stored, and as surface, parts of it and what joining and simplifying take.
+// Memory for a tile as it is stored, as a surface, its parts, and for joining and simplifying.
 std::uint64_t tile_memory(const TileSource& source, std::size_t i) {
   const TileEntry& tile = source.entry(i);
   return source.work_bytes(i) * 5 / 4 + tile.points * 120 + tile.cells * 40;

@@ -36,9 +36,8 @@ IdSet ids_of(Handle cell, int corners) {
 
 constexpr std::uint32_t steps_a_look = 1 << 14;
 
-// CGAL inserts a range in one call, which nobody can stop. So the points come in batches of some tenths of a second,
-// and in random order, so that each batch is spread over all of space and finds the triangulation of a part of the
-// others.
+// CGAL inserts a range in one call, which cannot be stopped. So the points come in batches of some tenths of a second.
+// The order is random, so that each batch is spread over all of space and the points inserted before give good hints.
 template <class Triangulation, class Place>
 void insert_all(Triangulation& to, std::vector<std::pair<Place, PointId>> points, const std::stop_token& stop) {
   StopCheck check(stop, steps_a_look);
@@ -55,7 +54,7 @@ void insert_all(Triangulation& to, std::vector<std::pair<Place, PointId>> points
   }
 }
 
-// The finite cells, sorted ids each; none if the points span less than the space. Throws Stopped.
+// The finite cells, each with sorted ids; none if the points do not span space. Throws Stopped.
 std::vector<IdSet> cells_by_cgal(const std::vector<Point>& points, const std::vector<PointId>& ids, int dimension,
                                  const std::stop_token& stop) {
   StopCheck check(stop, steps_a_look);

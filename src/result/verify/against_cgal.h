@@ -1,4 +1,4 @@
-// The slow, independent answer: CGAL's triangulation of all vertices, in memory.
+// Compares a result with CGAL's triangulation of all vertices, in memory: slow, but independent.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace tessera {
 class AgainstCgal {
  public:
   AgainstCgal(int dimension, std::stop_token stop) : dimension_(dimension), stop_(std::move(stop)) {}
-  // Keeps the tile's own vertices and main cells.
+  // Adds the tile's own vertices and main cells.
   void add(const TileMesh& mesh);
-  // Builds and compares the sets of cells; not_delaunay tells the first cell that only one of them has. Error
-  // interrupted soon after the stop is requested.
+  // Triangulates and compares the sets of cells. Errors: not_delaunay, with the first cell that only one of the two
+  // has; interrupted, soon after a stop is requested.
   Status compare(const std::filesystem::path& out);
 
  private:

@@ -1,4 +1,4 @@
-// The partition in the manifest: which tile owns which part of space.
+// Checks the partition in the manifest, which says which tile owns which part of space.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace tessera {
 
-// Whether the boxes are exactly those of the manifest's partition, which part space; every tile in the manifest has
-// one. Error corrupt names the first tile that does not fit.
+// Checks that the boxes are exactly those of the manifest's partition, that the partition divides space, and that every
+// tile in the manifest has a box. Error corrupt names the first tile that is wrong.
 Status check_boxes(const Manifest& manifest, const std::filesystem::path& out);
 
 }  // namespace tessera

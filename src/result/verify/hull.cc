@@ -12,7 +12,8 @@ namespace tessera {
 
 namespace {
 
-// Integer weights from a small range: rays through a ridge are rare, and all of them being so is out of the question.
+// Integer weights from a small range. Rays through a ridge are rare, and it is practically impossible that all of them
+// go through ridges.
 constexpr int rays = 4;
 constexpr unsigned weight_max = 1000;
 
@@ -113,8 +114,9 @@ int Hull::side(const Ray& ray, const Point& u, const Point& v) const {
     magnitude = std::max({magnitude, std::abs(ray.o[i]), std::abs(ray.p[i]), std::abs(u[axis]), std::abs(v[axis])});
   }
   // Entries are at most D = `largest` and off by at most 4 eps M (o and p are rounded once, a difference once; M is the
-  // largest coordinate, D <= 2 M): the six products of three are off by 6 * 3 * 4 eps M D^2, and their evaluation by
-  // at most 6 * 5 eps D^3 <= 60 eps M D^2: together less than 256 eps M D^2. In 2D, D >= 1 covers the third row.
+  // largest coordinate, D <= 2 M). So the six products of three are off by 6 * 3 * 4 eps M D^2, and their evaluation
+  // adds at most 6 * 5 eps D^3 <= 60 eps M D^2. Together this is less than 256 eps M D^2. In 2D, D >= 1 covers the
+  // third row.
   const double value = determinant(a, b, c);
   const double bound = 256 * std::numeric_limits<double>::epsilon() * std::max(magnitude, largest) * largest * largest;
   if (std::isfinite(bound) && bound > std::numeric_limits<double>::min() && std::abs(value) > bound)
@@ -130,8 +132,9 @@ int Hull::side(const Ray& ray, const Point& u, const Point& v) const {
   return sign_of(determinant(ea, eb, ec));
 }
 
-// The facet faces o. Seen from o, the ray passes inside it when it passes all its edges on the same side; with
-// orientation(at..., o) > 0 that is the negative one, and the positive one when the ray's backward half meets it.
+// The facet faces o. Seen from o, the ray passes inside the facet when it passes all edges on the same side. As
+// orientation(at..., o) > 0, that is the negative side; it is the positive side when the backward half of the line
+// meets the facet.
 void Hull::count_hit(const HullFacet& facet, Ray& ray) const {
   int zeros = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(dimension_); ++i) {

@@ -14,7 +14,8 @@ Status match_facets(TileMesh& mesh, const std::filesystem::path& file, const std
   const auto interrupted = [] { return error(Errc::interrupted, "interrupted while looking for neighbours"); };
   const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
   const std::size_t facets = mesh.cells.size();
-  // The vertices of facet `corner of cell`, sorted; unused places are -1.
+  // The vertices of a facet, sorted; unused entries are -1. Facet `f` is that of cell f / corners opposite corner f %
+  // corners.
   const auto key_of = [&](std::size_t facet) {
     std::array<std::int32_t, 3> key{-1, -1, -1};
     const std::size_t cell = facet / corners;
@@ -24,7 +25,7 @@ Status match_facets(TileMesh& mesh, const std::filesystem::path& file, const std
     std::sort(key.begin(), key.begin() + static_cast<std::ptrdiff_t>(n));
     return key;
   };
-  // Facets in buckets by their least vertex (a counting sort); a bucket is small, and is sorted by key.
+  // A counting sort puts facets into buckets by their least vertex. A bucket is small, and is sorted by key.
   std::vector<std::uint32_t> first(mesh.points.size() + 1, 0), order(facets);
   for (std::size_t f = 0; f < facets; ++f) {
     if (!go_on(f)) return interrupted();

@@ -1,4 +1,4 @@
-// Neighbours of a tile's cells for results that were stored without them.
+// Finds the neighbours of a tile's cells for results that were stored without them.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace tessera {
 
-// Fills mesh.neighbors from the cells: the cell of this file across each facet; without one, -1 when the facet has an
-// own vertex (this tile would hold the other cell), -2 otherwise (nobody knows). Error not_delaunay when three cells
-// share a facet, in a sentence that names `file`; interrupted. 8 bytes a facet.
+// Fills mesh.neighbors: across each facet, the cell of this file. If there is none, -1 when the facet has an own vertex
+// (this tile would have the other cell), and -2 otherwise (unknown). Needs 8 bytes a facet. Errors: not_delaunay when
+// three cells share a facet, with the name of `file`; interrupted.
 Status match_facets(TileMesh& mesh, const std::filesystem::path& file, const std::stop_token& stop = {});
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// Whether every vertex, foreign ones too, is said to be the tile's that the partition gives it to.
+// Checks the owner that each tile file gives for each vertex, foreign vertices included, against the partition.
 #pragma once
 
 #include <optional>
@@ -10,15 +10,15 @@
 
 namespace tessera {
 
-// Queries go from a tile to a neighbour by the owners of foreign vertices, and nothing else in a result depends on
-// them. Which tile has a vertex as its own follows from the coordinates, so an owner needs no other tile's file.
+// Queries go from a tile to its neighbours by the owners of foreign vertices. Nothing else in a result depends on these
+// owners. The coordinates of a vertex tell which tile owns it, so the check needs no other tile's file.
 class Owners {
  public:
-  // Format 1 and partitions that cannot be read tell nothing: the latter are for check_boxes() to find.
+  // Nothing is checked for format 1, nor when the partition cannot be read: check_boxes() reports such a partition.
   explicit Owners(const Manifest& manifest);
-  // Remembers the first vertex that has another owner.
+  // Remembers the first vertex with a wrong owner.
   void look_at(const TileMesh& mesh, TileId tile, const TileSource& source);
-  // Error not_delaunay names it.
+  // Error not_delaunay names that vertex.
   Status finish() const;
 
  private:

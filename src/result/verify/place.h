@@ -1,4 +1,4 @@
-// Which cell or vertex of which tile file, for messages and for records that travel between tiles.
+// Names a cell or a vertex in a tile file, in error messages and in records that are compared between tiles.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-// Of up to 4 vertices, sorted; a place that is not used is padding_id.
+// The ids of up to 4 vertices, sorted; unused entries are padding_id.
 using IdSet = std::array<PointId, 4>;
 inline constexpr PointId padding_id{~std::uint64_t{0}};
 
@@ -27,7 +27,7 @@ inline std::string text_of(const IdSet& ids) {
   return text;
 }
 
-// Error not_delaunay: "out/tiles/000007.vtu: cell 12 (vertices 1 5 8 9) is not positively oriented".
+// Makes an error not_delaunay: "out/tiles/000007.vtu: cell 12 (vertices 1 5 8 9) is not positively oriented".
 inline Error wrong_cell(const TileSource& source, const Place& place, const IdSet& ids, const std::string& reason) {
   return error(Errc::not_delaunay, source.file(place.tile).string() + ": cell " + std::to_string(place.cell) +
                                        " (vertices " + text_of(ids) + ") " + reason);

@@ -31,8 +31,8 @@ Error corrupt(const fs::path& path, const std::string& reason) {
 
 std::uint64_t sum_of_text(const std::string& text) { return checksum(std::as_bytes(std::span(text))); }
 
-// The master of the version before, which stands when a writer was ended between manifest and master: it leads to tiles
-// that are still there.
+// The master file of the version before remains when a writer was ended between manifest and master file. It refers to
+// tiles that still exist.
 Status check_previous_master(const TileSource& source, const fs::path& path) {
   BOOST_OUTCOME_TRY(olds, result::old_versions(source.folder()));
   for (const auto& old : olds) {
@@ -49,8 +49,8 @@ Status check_previous_master(const TileSource& source, const fs::path& path) {
   return corrupt(path, "is the master file of the version before, whose manifest is not there");
 }
 
-// Programs open it instead of the tiles: it must lead to all of them, whole and in order. Made again rather than
-// parsed, so that nothing in it can be overlooked.
+// Programs open the master file instead of the tiles, so it must refer to all of them, complete and in order. It is
+// made again rather than parsed, so that nothing in it can be overlooked.
 Status check_master(const TileSource& source) {
   const Manifest& manifest = source.manifest();
   const auto path = master_file(source.folder());
@@ -64,7 +64,7 @@ Status check_master(const TileSource& source) {
   return corrupt(path, "is not the master file of the tiles in the manifest");
 }
 
-// Beside the tiles there may be those of older versions, and those of a version that never came to be.
+// Beside the tiles of this version there may be tiles of older versions, and of a version that was never completed.
 Status check_listed(const TileSource& source) {
   const Manifest& manifest = source.manifest();
   const auto folder = tiles_folder(source.folder());
@@ -82,7 +82,7 @@ Status check_listed(const TileSource& source) {
     if (kind_of_tile_file(name) && !names.contains(name) && !unfinished)
       return corrupt(folder / name, "is no tile of the manifest");
   }
-  // A result without tiles may be without the folder.
+  // A result without tiles may lack the folder.
   if (reader.error() && !manifest.tiles.empty()) return io_error(folder, "cannot be listed", reader.error().value());
   return success();
 }
@@ -108,7 +108,7 @@ Result<TileMesh> open_tile(const TileSource& source, std::size_t index) {
   const TileEntry& entry = source.entry(index);
   const auto path = source.file(index);
   BOOST_OUTCOME_TRYV(source.check(index));
-  // With the values of attributes and columns, though nothing is known of them: each vertex and cell must have one.
+  // Attributes and columns are read only to check that each vertex and each cell has a value.
   BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = true, .cell_columns = true}));
   TileMesh& mesh = tile.mesh;
   if (entry.tile.value < manifest.boxes.size()) {

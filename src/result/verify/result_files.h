@@ -1,4 +1,4 @@
-// Whether the files of a result are those its manifest tells of, before anything in them is believed.
+// Checks that the files of a result are those of its manifest, before anything in them is used.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace tessera {
 
-// The master file and duplicates.bin have their checksums; the master file is, byte for byte, the one that the manifest
-// makes, or for a moment of a change that of the version before; no tile file and no duplicates.bin is there that no
-// version knows. Error corrupt tells which file.
+// Checks that the master file and duplicates.bin have their checksums; that the master file is, byte for byte, what the
+// manifest determines, or the master file of the version before, which may remain after an interrupted change; and that
+// no tile file and no duplicates.bin exists that no version knows. Error corrupt names the file.
 Status check_files(const TileSource& source);
 
-// The `i`-th tile, whose file has its checksum, and of which all is as the manifest says. Own vertices lie in the
-// tile's box: error not_delaunay.
+// Reads the `i`-th tile, and checks its checksum and everything that the manifest says of it. Error not_delaunay when
+// an own vertex lies outside the tile's box.
 Result<TileMesh> open_tile(const TileSource& source, std::size_t i);
 
 }  // namespace tessera

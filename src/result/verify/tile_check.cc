@@ -22,7 +22,7 @@ class TileCheck {
   Status run(std::stop_token stop) {
     BOOST_OUTCOME_TRYV(check_vertices());
     std::vector<bool> used(mesh_.points.size(), false);
-    // All cells before all facets: a cell that is turned over is best told as that.
+    // All cells are checked before all facets, because the best report of an inverted cell is that it is inverted.
     for (std::size_t c = 0; c < mesh_.cell_ghost.size(); ++c) {
       if (c % 65536 == 0 && stop.stop_requested()) return error(Errc::interrupted, "interrupted while verifying");
       BOOST_OUTCOME_TRYV(check_cell(c));
@@ -72,7 +72,7 @@ class TileCheck {
     return "cell " + std::to_string(cell) + " (vertices " + text_of(sorted_ids(cell)) + ")";
   }
 
-  // Own ids are compared with those of other tiles later; foreign ones only need to differ in here.
+  // Own ids are compared with those of other tiles later. Foreign ids only need to differ within this file.
   Status check_vertices() {
     std::vector<PointId> foreign;
     for (std::size_t i = 0; i < mesh_.ids.size(); ++i) {
@@ -166,7 +166,7 @@ class TileCheck {
       facet.at[n] = at(c, i);
       facet.ids[n++] = mesh_.ids[vertex(c, i)];
     }
-    // Moving vertex k to the last place takes D - k swaps, each of which turns the cell over.
+    // Moving vertex k to the last place takes D - k swaps, and each swap inverts the cell.
     if ((D - k) % 2 != 0) {
       std::swap(facet.at[0], facet.at[1]);
       std::swap(facet.ids[0], facet.ids[1]);
@@ -174,9 +174,10 @@ class TileCheck {
     return sinks_.hull.add(facet, core);
   }
 
-  // Cell n shares the facet of c opposite vertex k, says so, lies on its other side, and its vertex is not inside.
+  // Checks that cell n shares the facet of c opposite vertex k, names c as its neighbour, lies on the other side, and
+  // has its vertex outside the sphere of c.
   Status check_pair(std::size_t c, int k, std::size_t n, bool judged_here) {
-    int back = 0;  // the place of c among the neighbours of n
+    int back = 0;  // index of c among the neighbours of n
     std::array<int, D + 1> place{};
     const auto says_so = [&](int j) {
       if (neighbor(n, j) != static_cast<std::int32_t>(c)) return false;
@@ -197,7 +198,7 @@ class TileCheck {
     if (!judged_here || c > n) return success();
 
     ++sinks_.facets;
-    // c with vertex k replaced by the vertex beyond is this permutation of n: it must be turned over.
+    // The cell c, with vertex k replaced by the vertex beyond, is this permutation of n. The permutation must be odd.
     int inversions = 0;
     for (std::size_t i = 0; i <= D; ++i)
       for (std::size_t j = 0; j < i; ++j) inversions += place[j] > place[i] ? 1 : 0;

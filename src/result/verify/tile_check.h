@@ -1,13 +1,13 @@
-// What can be seen inside one tile file, and the records that leave it to be compared with other tiles.
+// Checks what can be checked inside one tile file, and makes the records that are compared between tiles.
 //
-// The proof. Let M be the main cells. By check_cell_copies(), the tile that owns a vertex holds every cell of M around
-// it exactly once, with the same coordinates. A facet is judged by the tile that owns its vertex of the least id, which
-// therefore holds all cells of M that have it. There each is glued to the one its neighbour array names: that must have
-// the same facet, name it in turn, and lie on the other side; or there is none, and it is a hull facet. So the facets
-// of M are glued in pairs, but for hull facets. All cells are positively oriented, so they cover each point as often as
-// the hull winds around it, which is once (hull.h): M is a triangulation of the convex hull, its facets shared by
-// exactly two cells. Each pair is locally Delaunay with the tie rule, so by the Delaunay lemma M is the perturbed
-// Delaunay triangulation.
+// The proof. Let M be the set of main cells. By check_cell_copies(), the tile that owns a vertex has every cell of M
+// around the vertex exactly once, with the same coordinates. A facet is judged by the tile that owns the facet's vertex
+// of the least id, so that tile has all cells of M with the facet. There each cell is glued to the cell that its
+// neighbour array names: that cell must have the same facet, name the first cell in turn, and lie on the other side. If
+// the array names none, the facet is a hull facet. So the facets of M are glued in pairs, except hull facets. All cells
+// are positively oriented, so they cover each point as often as the hull winds around it, which is once (hull.h). So M
+// is a triangulation of the convex hull, in which exactly two cells share each inner facet. Each pair is locally
+// Delaunay with the tie rule. So by the Delaunay lemma M is the perturbed Delaunay triangulation.
 #pragma once
 
 #include <cstdint>
@@ -43,11 +43,12 @@ struct TileSinks {
   std::uint64_t facets = 0;  // judged so far
 };
 
-// `neighbors_stored`: mesh.neighbors come from the file, so that -1 and -2 are claims to be checked.
+// Checks a tile and passes its records to `sinks`. `neighbors_stored` is true when mesh.neighbors come from the file,
+// so that -1 and -2 are claims to be checked.
 Status check_tile(const TileMesh& mesh, TileId tile, bool neighbors_stored, const TileSource& source, TileSinks& sinks,
                   std::stop_token stop);
 
-// Whether the claims of all tiles hold.
+// Checks the claims of all tiles.
 Status check_claims(ExternalSort<FacetClaim>& claims, const TileSource& source);
 
 }  // namespace tessera

@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What the tiles have been found to hold, to be compared with what the manifest says.
+// What the tiles contain, for comparison with the manifest.
 struct Contents {
   Bounds bounds;
-  std::vector<Digest> digests;  // by place in manifest.tiles
+  std::vector<Digest> digests;  // by index in manifest.tiles
   void add(const TileMesh& mesh) {
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
       if (mesh.point_ghost[i] == 0) bounds.add(mesh.points[i]);
@@ -33,7 +33,8 @@ struct Contents {
   }
 };
 
-// Without any digests, as in results of older software, they say nothing; but none may be missing beside others.
+// Results of older programs have no digests, and then nothing can be compared. But no digest may be missing beside
+// others.
 Status check_contents(const Contents& contents, const TileSource& source) {
   const Manifest& manifest = source.manifest();
   const auto place = manifest_file(source.folder()).string();
@@ -95,7 +96,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   VerifyReport report;
   BOOST_OUTCOME_TRY(scratch, folder_for_temporary(options.scratch));
   BOOST_OUTCOME_TRYV(check_files(source));
-  // A tile is in memory once, and its facets when neighbours must be found; the four sorters share the rest.
+  // A tile is in memory once, with its facets when neighbours must be found. The four sorters share the rest.
   const std::uint64_t tile_bytes = largest_tile(source) * (manifest.neighbors ? 1 : 3);
   const std::uint64_t rest = options.memory_bytes > tile_bytes ? options.memory_bytes - tile_bytes : 0;
   const std::uint64_t share = std::max<std::uint64_t>(rest / 5, std::uint64_t{1} << 20);

@@ -1,8 +1,9 @@
-// Proves a result folder, independently of how it was made.
-// By the Delaunay lemma a closed complex that is locally Delaunay, positively oriented and bounded by its convex hull
-// is the Delaunay triangulation of its vertices; ties are checked with the perturbation's rule, so it is *the* one.
-// And everything else that the manifest says of it and that can be known from its files is compared with them: the
-// master file, boxes, bounds, attributes, sizes, digest. Where it came from (inputs, command, CRS, times) cannot be.
+// Proves a result folder correct, independently of how it was made. By the Delaunay lemma, a closed complex is the
+// Delaunay triangulation of its vertices if it is locally Delaunay, positively oriented and bounded by its convex hull.
+// Ties are checked with the rule of the perturbation, so the result is *the* perturbed Delaunay triangulation. verify()
+// also compares the files with everything else that the manifest says and that can be known from the files: master
+// file, boxes, bounds, attributes, sizes, digest. The origin of the result (inputs, command, CRS, times) cannot be
+// checked.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ namespace tessera {
 
 struct VerifyOptions {
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;  // facets beyond this are sorted on disk
-  std::filesystem::path scratch;                        // where; default: the system's temporary folder
-  bool against_cgal = false;  // also build the global triangulation in memory and compare the sets of cells
+  std::filesystem::path scratch;                        // for sorting; default: the system's temporary folder
+  bool against_cgal = false;  // also triangulate all vertices in memory and compare the sets of cells
 };
 
 struct VerifyReport {
@@ -26,11 +27,11 @@ struct VerifyReport {
   std::vector<std::string> passed;  // one line a check
 };
 
-// What the command prints and a job's outcome holds: one line of JSON without its end. `result`: what it is called
-// there.
+// One line of JSON, without its end, for the command's output and a job's outcome. `result` is the name of the result
+// in that line.
 std::string to_json(const VerifyReport& report, const std::string& result);
 
-// Error not_delaunay tells the first violation (tile, cell, vertices); corrupt a damaged file; both name the place.
+// Errors: not_delaunay, with the first violation (tile, cell, vertices); corrupt for a damaged file, with the place.
 Result<VerifyReport> verify(const std::filesystem::path& out, const VerifyOptions& options, std::stop_token stop);
 
 }  // namespace tessera

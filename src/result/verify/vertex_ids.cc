@@ -17,7 +17,7 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
   if (duplicates.size() != manifest.duplicates)
     return wrong("counts " + std::to_string(manifest.duplicates) + " duplicates, duplicates.bin lists " +
                  std::to_string(duplicates.size()));
-  // They ascend. A pair with a number that no point has could make up for a point that was lost.
+  // They ascend. A pair with a number beyond all points could hide that a point was lost.
   if (!duplicates.empty() && duplicates.back().duplicate.value >= manifest.points_read)
     return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " +
                                          to_string(duplicates.back().duplicate) + " is none of the " +
@@ -59,7 +59,7 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
   if (vertices != manifest.vertices)
     return wrong("counts " + std::to_string(manifest.vertices) + " vertices, the tiles own " +
                  std::to_string(vertices));
-  // Taken off one by one: the manifest may say anything, and a sum could come around to the right number.
+  // Subtracted one by one: the manifest may hold any numbers, and a sum could wrap around to the right one.
   std::uint64_t left = manifest.points_read;
   bool fits = true;
   for (const std::uint64_t count : {vertices, manifest.duplicates, manifest.invalid, manifest.filtered}) {

@@ -1,4 +1,4 @@
-// Nothing is lost and nothing is there twice: vertices = points - duplicates - rejects.
+// Checks that no point is lost and none is there twice: vertices = points - duplicates - rejects.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ struct OwnVertex {
   friend bool operator<(const OwnVertex& a, const OwnVertex& b) { return a.id != b.id ? a.id < b.id : a.tile < b.tile; }
 };
 
-// Every vertex is one tile's own; a duplicate is no vertex, and what was kept for it is one; the counts add up.
+// Checks that every vertex is one tile's own, that no duplicate is a vertex, that the kept point of each duplicate is
+// one, and that the counts add up.
 Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, std::vector<DuplicatePair> duplicates,
                         const TileSource& source);
 

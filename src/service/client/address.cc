@@ -25,7 +25,7 @@ bool is_host(std::string_view text) {
   });
 }
 
-// "/a/./b/../c" is "/a/c".
+// "/a/./b/../c" becomes "/a/c".
 std::string without_dots(std::string_view path) {
   std::vector<std::string_view> parts;
   bool folder = false;
@@ -52,7 +52,7 @@ std::string ServerAddress::authority() const {
 std::string ServerAddress::text() const { return std::string(tls ? tls_scheme : plain_scheme) + authority() + base; }
 
 Result<ServerAddress> parse_address(std::string_view text) {
-  // The whole text is not repeated: it may hold a token.
+  // The message does not repeat the text, which may hold a token.
   const auto bad = [](const char* reason = "it is not an address like http://127.0.0.1:7070") {
     return error(Errc::usage, reason);
   };
@@ -91,7 +91,7 @@ Result<ServerAddress> parse_address(std::string_view text) {
   while (address.base.ends_with('/')) address.base.pop_back();
   if (std::any_of(path.begin(), path.end(), [](unsigned char c) { return c <= 0x20 || c >= 0x7f; })) return bad();
   constexpr std::string_view with_token = "#token=";
-  if (text.starts_with(with_token) || text.starts_with("?token=")) {  // as daemons of before print it
+  if (text.starts_with(with_token) || text.starts_with("?token=")) {  // as earlier daemons print it
     address.token = text.substr(with_token.size());
   } else if (!text.empty()) {
     return bad("nothing but a token may follow its path");

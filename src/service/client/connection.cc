@@ -31,7 +31,7 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::chrono::seconds connect_patience{10};
-constexpr std::size_t body_bytes_max = std::size_t{64} << 20;  // of one that is kept in memory
+constexpr std::size_t body_bytes_max = std::size_t{64} << 20;  // of a body that is kept in memory
 constexpr std::uint32_t header_bytes_max = 64 << 10;
 
 std::string lower_case(std::string text) {
@@ -59,8 +59,8 @@ const std::string& HttpHead::header(const std::string& name) const {
 using Secure = beast::ssl_stream<beast::tcp_stream>;
 using Completed = std::function<void(error_code, std::size_t)>;
 
-// Either of two streams, with handlers of one type: what Beast composes is compiled once, not for each stream and
-// handler.
+// A stream of one of two types, with one type of handler. So Beast's composed operations are compiled once, and not for
+// each stream and handler.
 class AnyStream {
  public:
   using executor_type = beast::tcp_stream::executor_type;
@@ -82,7 +82,7 @@ class AnyStream {
   }
 
  private:
-  // Handlers can be moved alone, and functions must be copied.
+  // Handlers can only be moved, but std::function must be copyable.
   template <class Handler>
   static Completed erased(Handler&& handler) {
     auto held = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
@@ -220,7 +220,7 @@ struct Connection::Impl {
                      [&](Completed done) { http::async_write(stream, message, std::move(done)); });
   }
 
-  // Ends early when the server has something to say. `left`: bytes that were not sent.
+  // Ends early when the server sends something. `left` is the number of bytes that were not sent.
   Result<error_code> send_from_source(const HttpRequest& request, const std::stop_token& stop, std::uint64_t& left) {
     http::request<http::buffer_body> message;
     set_head(message, request);
@@ -233,7 +233,7 @@ struct Connection::Impl {
     std::vector<char> bytes(std::size_t{256} << 10);
     for (left = request.source_bytes; left > 0 && !code;) {
       error_code unknown;
-      // Within TLS something always comes, and it need not be an answer.
+      // Under TLS bytes always come, and they need not be an answer.
       if (plain && plain->socket().available(unknown) > 0) break;
       BOOST_OUTCOME_TRY(piece, request.source(std::span(bytes).first(std::min<std::uint64_t>(bytes.size(), left))));
       left -= piece;
@@ -257,10 +257,10 @@ struct Connection::Impl {
     } else {
       written = send(request, stop);
     }
-    // A server that refuses a request may have answered before it was all sent.
+    // A server that refuses a request may answer before all of it was sent.
     Parser parser;
     parser.skip(request.method == "HEAD");
-    // Boost 1.74 takes `none` for a limit that is below every length.
+    // Boost 1.74 takes `none` as a limit below every length.
     parser.body_limit(std::numeric_limits<std::uint64_t>::max());
     parser.header_limit(header_bytes_max);
     const auto read_head = on_stream(stop, request.silence, [&](Completed done) {
@@ -337,7 +337,7 @@ Result<HttpAnswer> Connection::ask(const HttpRequest& request, const std::stop_t
     auto answer = impl_->exchange(request, stop, receiver, answered);
     if (answer) return answer;
     impl_->close();
-    // The server may close a connection that it has kept at any time.
+    // The server may close a kept connection at any time.
     if (!kept || answered || answer.error().code != Errc::io) return answer;
   }
 }

@@ -1,4 +1,4 @@
-// HTTP/1.1 to one server, over TCP or TLS: one request at a time, on a connection that is kept.
+// HTTP/1.1 to one server, over TCP or TLS: one request at a time, on a connection that is kept open.
 #pragma once
 
 #include <chrono>
@@ -23,11 +23,11 @@ struct HttpRequest {
   std::string target;  // path and query, as they are sent
   std::map<std::string, std::string> headers = {};
   std::string body = {};
-  // Instead of `body`: so many bytes, a piece at a time; it fills the beginning of what it is given, with 1 byte at
-  // least, and says how many it were. Not repeatable.
+  // Instead of `body`: a source of `source_bytes` bytes. Each call fills the beginning of its argument with at least 1
+  // byte, and returns the number of bytes. Not repeatable.
   std::uint64_t source_bytes = 0;
   std::function<Result<std::size_t>(std::span<char>)> source = {};
-  // Whether it may be sent a second time, when the server has closed the kept connection just then.
+  // Whether the request may be sent again, when the server has just closed the kept connection.
   bool repeatable = true;
   std::chrono::seconds silence{60};  // the longest time without any byte
 };
@@ -35,7 +35,7 @@ struct HttpRequest {
 struct HttpHead {
   int status = 0;
   std::map<std::string, std::string> headers;  // by name in lower case
-  // "" when there is none.
+  // "" when there is no such header.
   const std::string& header(const std::string& name) const;
 };
 
@@ -43,24 +43,24 @@ struct HttpAnswer : HttpHead {
   std::string body;
 };
 
-// Takes a body as it comes.
+// Receives a body as it comes.
 struct HttpReceiver {
-  // Whether body() shall have it; otherwise it becomes HttpAnswer::body.
+  // Returns true if body() shall get the body; otherwise it becomes HttpAnswer::body.
   std::function<Result<bool>(const HttpHead&)> head;
   std::function<Status(std::string_view)> body;
 };
 
 class Connection {
  public:
-  // `authorities`: a PEM file with the certificates to trust; those of the system when empty. Error io when it cannot
-  // be read. Connects when it is needed.
+  // `authorities` is a PEM file with trusted certificates; if empty, those of the system are used. Connects at the
+  // first request. Error io when the file cannot be read.
   static Result<Connection> make(ServerAddress address, const std::filesystem::path& authorities);
   Connection(Connection&&) noexcept;
   ~Connection();
 
-  // Errors: io when nobody answers, the connection ends or is silent, and what receiver and source return; usage when
-  // what answers is not trusted or speaks no HTTP; interrupted. All but the receiver's and the source's begin with the
-  // server's address.
+  // Sends a request and returns the answer. Errors: io when there is no answer, or the connection ends or is silent;
+  // usage when the peer is not trusted or does not speak HTTP; interrupted; those of receiver and source. All but the
+  // last begin with the server's address.
   Result<HttpAnswer> ask(const HttpRequest& request, const std::stop_token& stop, const HttpReceiver& receiver = {});
 
  private:

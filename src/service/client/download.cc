@@ -27,7 +27,7 @@ std::string etag_of(const RemoteFile& file) {
 
 std::string name_of(const RemoteFile& file) { return file.triangulation + "/" + file.path; }
 
-// One request for what is missing after the `have` bytes that `partial` holds.
+// One request for the bytes after the `have` bytes that `partial` has.
 class Transfer {
  public:
   Transfer(FileHandle& out, const fs::path& partial, std::uint64_t have,
@@ -39,7 +39,7 @@ class Transfer {
             .body = [this](std::string_view bytes) { return take(bytes); }};
   }
   std::uint64_t have() const { return have_; }
-  // The disk's error or the server's answer, not the network's.
+  // True for an error of the disk or a refusal of the server, which trying again does not help.
   bool is_final() const { return disk_failed_ || refused_; }
 
  private:
@@ -48,7 +48,7 @@ class Transfer {
       return true;
     refused_ = head.status != 200 && head.status != 206;
     if (refused_) return false;
-    // All of it, or a part that is not the one that was asked for.
+    // Status 206 here means another range than the requested one; else the whole file comes.
     refused_ = head.status == 206;
     if (refused_) return error(Errc::io, "the server sends another part of the file than asked for");
     if (::ftruncate(out_.get(), 0) != 0) return failed(io_error(partial_, "cannot be emptied", errno));
@@ -75,7 +75,7 @@ class Transfer {
   bool disk_failed_ = false, refused_ = false;
 };
 
-// All bytes into `partial`, over as many connections as it takes.
+// Receives all bytes into `partial`, over as many connections as needed.
 Status receive(Server& server, const RemoteFile& file, const fs::path& partial,
                const std::function<void(std::uint64_t)>& on_bytes, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(out, open_handle(partial, O_WRONLY | O_CREAT));
@@ -128,7 +128,7 @@ Status download(Server& server, const RemoteFile& file, const fs::path& to,
     if (received) return publish(partial, to);
     if (received.error().code != Errc::corrupt) return received;
     BOOST_OUTCOME_TRYV(remove_file(partial));
-    // What was there before may have been the beginning of another file.
+    // The partial file may have been the beginning of another file.
     if (!went_on) return received;
   }
 }

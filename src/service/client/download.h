@@ -1,4 +1,4 @@
-// A file of a result on the server, as a file here.
+// Downloads a file of a result from the server.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@ namespace tessera {
 struct RemoteFile {
   std::string triangulation;
   std::string path;  // in the result: "tiles/000042.vtu"
-  // As its manifest, or the job that wrote it, has them; without checksum a file is not gone on with where it was cut.
+  // From the manifest, or from the job that wrote the file. A partial download without a checksum is not continued.
   std::optional<std::uint64_t> bytes, xxh3;
-  SumOf sum = SumOf::bytes;  // what xxh3 is of
+  SumOf sum = SumOf::bytes;  // how xxh3 is computed
   bool in_manifest = true;   // then its ETag is its checksum
 };
 
-// Bytes go to temporary_name(to), which is synced and renamed to `to` when it is whole and has its checksum; what is
-// there of it, from before or from a connection that ended, is gone on with. It stays when the download fails, so that
-// another can go on, unless its bytes are wrong. A server that goes away is waited for, as its patience says; so one
-// must have been heard before. `on_bytes` is told of bytes as they come, and of those that were
-// there. Errors: those of Server::file(), io of the disk, corrupt when what came has not the length or checksum.
+// Downloads to temporary_name(to), then syncs the file and renames it to `to` when it is complete and has its checksum.
+// An existing partial file is continued. After an error the partial file stays, so that a later call can continue it,
+// unless its bytes are wrong. If the server goes away, waits for it as long as its patience says; the server must have
+// answered before. `on_bytes` gets the number of bytes, those of the partial file included. Errors: those of
+// Server::file(); io of the disk; corrupt when the file has the wrong length or checksum.
 Status download(Server& server, const RemoteFile& file, const std::filesystem::path& to,
                 const std::function<void(std::uint64_t)>& on_bytes, const std::stop_token& stop);
 

@@ -45,7 +45,7 @@ Status EventStream::take_line() {
   } else if (name == "id" && value.find('\0') == std::string::npos) {
     event_.id = value;
   }
-  return success();  // comments and other fields mean nothing
+  return success();  // comments and other fields are ignored
 }
 
 }  // namespace tessera

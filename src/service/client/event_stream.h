@@ -1,4 +1,4 @@
-// Server-sent events (WHATWG HTML, 9.2), taken apart as their bytes come.
+// Parses server-sent events (WHATWG HTML, 9.2) as their bytes come.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 namespace tessera {
 
 struct ServerEvent {
-  std::string id;    // the last that was sent, of this event or an earlier one
+  std::string id;    // the last id that was sent, with this event or an earlier one
   std::string type;  // "message" when none was sent
   std::string data;
 };
@@ -19,7 +19,8 @@ class EventStream {
  public:
   using OnEvent = std::function<Status(const ServerEvent&)>;
   explicit EventStream(OnEvent on_event) : on_event_(std::move(on_event)) {}
-  // Bytes may be cut anywhere. What on_event returns; error io for a line or event of more than 1 MiB.
+  // Parses more bytes, which may be cut anywhere. Returns the first error of on_event; error io for a line or an event
+  // of more than 1 MiB.
   Status feed(std::string_view bytes);
 
  private:
@@ -27,7 +28,7 @@ class EventStream {
 
   OnEvent on_event_;
   std::string line_;
-  bool after_return_ = false;  // a line feed that follows belongs to the line end before
+  bool after_return_ = false;  // a following line feed belongs to the line end before
   ServerEvent event_;
   bool has_data_ = false;
 };

@@ -28,7 +28,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-// The manifest and its text, as the server has it.
+// The manifest and its text, as the server sent it.
 struct RemoteManifest {
   Manifest manifest;
   Bytes text;
@@ -42,7 +42,7 @@ Result<RemoteManifest> remote_manifest(Server& server, const std::string& triang
       server, remote, file, [](std::uint64_t) {}, stop));
   auto manifest = read_manifest(folder.path());
   if (!manifest) {
-    // The temporary folder is nothing to speak of.
+    // The error names the server instead of the temporary folder.
     auto why = manifest.error();
     if (const auto at = why.where.find(file.string()); at == 0)
       why.where.replace(0, file.string().size(), server.address().text() + ": the manifest of " + triangulation);
@@ -99,7 +99,7 @@ std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& trian
   return list;
 }
 
-// Whether the file is there, and is that of the manifest.
+// True if the file exists and is the one in the manifest.
 Result<bool> is_fetched(const Wanted& wanted) {
   BOOST_OUTCOME_TRY(bytes, bytes_if_there(wanted.to));
   if (!bytes || (wanted.file.bytes && *bytes != *wanted.file.bytes)) return false;
@@ -107,7 +107,7 @@ Result<bool> is_fetched(const Wanted& wanted) {
   return sum == *wanted.file.xxh3;
 }
 
-// For people: a result is whole without it.
+// The report is for people: a result is complete without it.
 Status fetch_report(Server& server, const std::string& triangulation, const fs::path& folder,
                     const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(there, is_there(report_file(folder)));
@@ -164,7 +164,7 @@ Result<Fetched> fetch_result(Server& server, const std::string& triangulation, c
           },
           stop));
     }
-    // What was sent twice counts once.
+    // Bytes that were sent twice count once.
     progress.bytes = before + wanted.file.bytes.value_or(0);
     on_progress(progress);
     BOOST_OUTCOME_TRY(bytes, file_bytes(wanted.to));

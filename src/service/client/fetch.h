@@ -1,4 +1,4 @@
-// A result on the server, as a result folder here.
+// Downloads a result from the server into a result folder.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace tessera {
 
-// Error corrupt when it is none.
+// Error corrupt when the server's answer is no manifest.
 Result<Manifest> fetch_manifest(Server& server, const std::string& triangulation, const std::stop_token& stop);
 
 struct FetchProgress {
-  std::uint64_t bytes = 0, bytes_total = 0;  // those that were there are among them
+  std::uint64_t bytes = 0, bytes_total = 0;  // including those that were there before
 };
 
 struct Fetched {
@@ -25,11 +25,11 @@ struct Fetched {
   std::uint64_t vertices = 0, cells = 0, tiles = 0;
 };
 
-// Makes `folder` the result folder of that name: its manifest is there under its name when all its files are, each with
-// its checksum. `folder` may be missing, empty, what a fetch that was cut has left, or the same result, of which
-// damaged and missing files are fetched again. What is there of an unfinished one stays after an error, and is gone on
-// with. Errors: those of Server; usage when `folder` holds something else or another process works in it; io of the
-// disk; corrupt when what came is not what the manifest says.
+// Makes `folder` a copy of the result. The manifest gets its name when all files are there and have their checksums.
+// `folder` may be missing, empty, an interrupted download, or the same result; of the latter, damaged and missing files
+// are downloaded again. After an error, an unfinished download stays and can be continued. Errors: those of Server;
+// usage when `folder` holds something else or another process works in it; io of the disk; corrupt when the files are
+// not what the manifest says.
 Result<Fetched> fetch_result(Server& server, const std::string& triangulation, const std::filesystem::path& folder,
                              const std::function<void(const FetchProgress&)>& on_progress, const std::stop_token& stop);
 

@@ -1,4 +1,4 @@
-// What a server says, as messages. A newer one may say more than these have: that is passed over.
+// Parses a server's answers into messages. Unknown fields, which a newer server may send, are ignored.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -10,10 +10,10 @@
 
 namespace tessera {
 
-// False when `json` is no object of this kind. Replaces `message`.
+// Replaces `message`. Returns false when `json` is no object of this kind.
 bool read_message(std::string_view json, google::protobuf::Message& message);
 
-// What went wrong, with its options marked when the daemon says which they are (src/base/option.h).
+// The sentence of a problem, with marks for options when the daemon sends them (src/base/option.h).
 const std::string& sentence_of(const proto::Problem& problem);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// How long a server that was there and is gone is waited for.
+// How long to wait for a server that has answered before and is gone.
 #pragma once
 
 #include <chrono>
@@ -11,11 +11,11 @@ namespace tessera {
 class Patience {
  public:
   explicit Patience(std::chrono::seconds length) : length_(length) {}
-  // The server has been heard.
+  // Call this when the server has answered.
   void restart();
-  // A pause, longer each time. Errors: `why` when the patience has come to its end, interrupted.
+  // Pauses, longer each time. Errors: `why` when the time is over; interrupted.
   Status wait(const Error& why, const std::stop_token& stop);
-  // The same without an end.
+  // The same, without a limit.
   Status pause(const std::stop_token& stop);
 
  private:

@@ -17,7 +17,7 @@ namespace tessera {
 namespace {
 
 constexpr std::chrono::seconds silence_of_events{45};  // the server sends something every 15 s
-// The problem of `info` about much.
+// The problem of `info` for large inputs.
 constexpr const char* takes_a_job = "urn:tessera:needs-a-job";
 
 }  // namespace
@@ -81,7 +81,7 @@ Error Server::refusal(const HttpAnswer& answer) const {
                                                               ": the server answers with status " +
                                                               std::to_string(answer.status) + ", and does not say why");
   }
-  // Without a cause it is about the request, not about what was asked for.
+  // An error without a cause is about the request, so it names the server.
   if (problem.cause() == 0) return error(code_of(answer.status, 0), options_.address.text() + ": " + said);
   return error(code_of(answer.status, problem.cause()), said);
 }
@@ -129,7 +129,7 @@ Result<std::vector<Member>> Server::ask_for_all(std::string target, std::size_t 
     }
     const auto next = std::find_if(list.links().begin(), list.links().end(),
                                    [](const proto::Link& link) { return link.rel() == "next"; });
-    // A page without members would never come to an end.
+    // Stops at a page without members, which could go on for ever.
     if (next == list.links().end() || all.size() == limit || all.size() == before) return all;
     BOOST_OUTCOME_TRY(followed, follow_link(options_.address, target, next->href()));
     target = followed;
@@ -139,7 +139,7 @@ Result<std::vector<Member>> Server::ask_for_all(std::string target, std::size_t 
 HttpRequest Server::execution(const std::string& process, const nlohmann::ordered_json& inputs) const {
   HttpRequest request{.method = "POST", .target = target("/processes/" + process + "/execution")};
   request.headers = {{"Content-Type", "application/json"}};
-  // Of names that are not UTF-8 the server would make U+FFFD, and not find them.
+  // In names that are not UTF-8, bytes become U+FFFD here, so the server does not find such files.
   request.body = json_text(nlohmann::ordered_json{{"inputs", inputs}});
   return request;
 }
@@ -184,7 +184,7 @@ Result<proto::StatusInfo> Server::job(const std::string& id, const std::stop_tok
 }
 
 Result<proto::StatusInfo> Server::dismiss(const std::string& id, const std::stop_token& stop) {
-  // Not repeatable: the second would forget the job.
+  // Not repeatable: the second request would forget the job.
   return ask_for<proto::StatusInfo>(
       {.method = "DELETE", .target = target("/jobs/" + percent_encoded(id)), .repeatable = false}, stop);
 }
@@ -218,12 +218,12 @@ Result<std::vector<proto::NodeInfo>> Server::nodes(const std::stop_token& stop) 
 }
 
 Result<proto::NodeInfo> Server::drain(const std::string& node, const std::stop_token& stop) {
-  // Not repeatable: the second would find another of that name, or none.
+  // Not repeatable: the second request would find another node of that name, or none.
   return ask_for<proto::NodeInfo>(
       {.method = "POST", .target = target("/nodes/" + percent_encoded(node) + "/drain"), .repeatable = false}, stop);
 }
 
-// One connection to the events. True when on_event has heard enough.
+// One connection to the events. Returns true when on_event has heard enough.
 Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& heard, const OnEvent& on_event,
                             const std::stop_token& stop) {
   HttpRequest request{.target = target("/jobs/" + percent_encoded(id) + "/events"), .repeatable = false};
@@ -235,7 +235,7 @@ Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& h
   const auto enough_of = [&](const proto::Event& event) -> Status {
     BOOST_OUTCOME_TRY(said, on_event(event));
     enough = said;
-    // The stream has no end of its own.
+    // The stream does not end by itself, so it is ended by an error.
     if (enough) return error(Errc::ok, "");
     return success();
   };
@@ -249,7 +249,7 @@ Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& h
     if (head.status != 200) return false;
     if (!head.header("content-type").starts_with("text/event-stream")) return no_tessera();
     heard = heard_ = true;
-    // Events are told from now on: what was before is in the status.
+    // Events come from now on; what was before is in the status.
     proto::Event now;
     BOOST_OUTCOME_TRY(status, job(id, stop));
     now.set_kind("status");
@@ -282,7 +282,7 @@ Status Server::events(const std::string& id, const OnEvent& on_event,
       BOOST_OUTCOME_TRYV(patience.pause(stop));
       continue;
     }
-    // Never there, or nothing that time heals; and the listener's own errors.
+    // The server has never answered, or waiting does not help, or the error is the listener's own.
     if (!heard_ || enough.error().code != Errc::io) return enough.error();
     if (!told && options_.patience.count() > 0) on_gone(enough.error().where);
     told = true;

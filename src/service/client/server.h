@@ -1,4 +1,4 @@
-// A daemon, as its client sees it: what can be asked of it, answered with messages and errors. One call at a time.
+// The client's view of a daemon: its requests, answered with messages and errors. One call at a time.
 #pragma once
 
 #include <chrono>
@@ -22,71 +22,71 @@ namespace tessera {
 
 struct ServerOptions {
   ServerAddress address;
-  std::string token;  // in place of the address's; "" for none
+  std::string token;  // used instead of the address's; "" for none
   std::filesystem::path authorities;
-  // How long a server that has answered and is gone is waited for.
+  // How long to wait for a server that has answered before and is gone.
   std::chrono::seconds patience{600};
-  // What errors advise: how a token, and authorities, are given.
+  // Advice for errors: how to give a token, and authorities.
   std::string token_advice, authorities_advice;
 };
 
-// A random key under which the same job can be submitted again without becoming two.
+// A random key. A job that is submitted again with the same key does not become two jobs.
 std::string new_idempotency_key();
 
-// Errors of all calls: those of Connection; and what the server's problem says, with its cause as code, or usage for
-// one without cause that is the caller's mistake, io for others. Usage when what answers is no Tessera server.
+// Errors of all calls: those of Connection; and the server's problems, with their cause as the code; without a cause
+// usage for mistakes of the caller, and io for others. Usage when the peer is no Tessera server.
 class Server {
  public:
   static Result<Server> make(ServerOptions options);
 
   const ServerAddress& address() const { return options_.address; }
 
-  // `inputs`: the object of that name in the request.
+  // `inputs` becomes the object of that name in the request.
   Result<proto::StatusInfo> submit(const std::string& process, const nlohmann::ordered_json& inputs,
                                    const std::string& idempotency_key, const std::stop_token& stop);
-  // At most `limit`, newest first as the server has them; of these states (all when empty).
+  // At most `limit` jobs, newest first, with one of these states (all when empty).
   Result<std::vector<proto::StatusInfo>> jobs(const std::vector<std::string>& states, std::size_t limit,
                                               const std::stop_token& stop);
   Result<proto::StatusInfo> job(const std::string& id, const std::stop_token& stop);
-  // Of a job that has ended the server forgets: look first.
+  // The server forgets a job that has ended: check the state first.
   Result<proto::StatusInfo> dismiss(const std::string& id, const std::stop_token& stop);
   Result<proto::StatusInfo> resume(const std::string& id, const std::stop_token& stop);
   // What a verify, export or info job found.
   Result<nlohmann::ordered_json> outcome(const std::string& id, const std::stop_token& stop);
-  // What `info` tells of these inputs; or, of those that take long, the job that finds it out.
+  // What `info` says of these inputs; or, when that takes long, the job that finds it out.
   struct Told {
     nlohmann::ordered_json now;
     std::optional<proto::StatusInfo> job;
   };
   Result<Told> info(const nlohmann::ordered_json& inputs, const std::stop_token& stop);
-  // Tells of the job until on_event says that it has heard enough (true), or fails. Begins with the status there is, as
-  // an event without id; also each time after the server was gone, which on_gone tells, with the reason.
+  // Delivers the events of a job until on_event returns true (enough) or an error. Begins with the current status, as
+  // an event without id. When the server was gone, calls on_gone with the reason, and begins again.
   using OnEvent = std::function<Result<bool>(const proto::Event&)>;
   Status events(const std::string& id, const OnEvent& on_event, const std::function<void(const std::string&)>& on_gone,
                 const std::stop_token& stop);
 
   Result<std::vector<proto::TriangulationInfo>> triangulations(const std::stop_token& stop);
-  // Nothing when there is none of this name.
+  // Nothing when there is no triangulation of this name.
   Result<std::optional<proto::TriangulationInfo>> triangulation(const std::string& name, const std::stop_token& stop);
-  // What a folder holds that jobs may read, by name; "": of all that the server reads from.
+  // The entries of a folder that jobs may read, by name; "": the entries of all roots.
   Result<std::vector<proto::InputInfo>> inputs(const std::string& folder, const std::stop_token& stop);
-  // Who works on the jobs, in order of coming.
+  // The nodes that work on jobs, in the order in which they joined.
   Result<std::vector<proto::NodeInfo>> nodes(const std::stop_token& stop);
-  // Takes all work from a node, by its name or id, and lets its process end. What it was.
+  // Takes all work from a node, given by name or id, and ends its process. Returns the node.
   Result<proto::NodeInfo> drain(const std::string& node, const std::stop_token& stop);
 
-  // A file of a result, from its byte `from` on. `etag` ("" for any): of the file that is meant; the receiver's head
-  // tells by 200 that the server begins at 0, having another.
+  // Requests a file of a result from byte `from` on. `etag` identifies the wanted file ("" for any). When the server
+  // has another file, it sends it from byte 0, and the receiver's head has status 200.
   Result<HttpAnswer> file(const std::string& triangulation, const std::string& path, std::uint64_t from,
                           const std::string& etag, const HttpReceiver& receiver, const std::stop_token& stop);
 
-  // Removes what a result was exported to.
+  // Removes an export of a result.
   Status remove_export(const std::string& triangulation, const std::string& file, const std::stop_token& stop);
 
-  // How many bytes of an upload have come.
+  // The number of bytes of an upload that have come.
   Result<std::uint64_t> uploaded(const std::string& folder, const std::string& file, const std::stop_token& stop);
-  // Sends what comes after `from` bytes of an upload (0: all of it anew). `answer` is the server's status, 0 when none
-  // came: then it may be gone on with.
+  // Sends the bytes of an upload after `from` (0: begins anew). `answer` is the server's status, or 0 when none came:
+  // then the upload may be continued.
   Status upload(const std::string& folder, const std::string& file, std::uint64_t from, std::uint64_t bytes,
                 std::function<Result<std::size_t>(std::span<char>)> source, int& answer, const std::stop_token& stop);
   std::chrono::seconds patience() const { return options_.patience; }
@@ -95,9 +95,9 @@ class Server {
   Server(ServerOptions options, Connection connection, Connection watching);
   static bool is_json(const HttpHead& head);
   static Errc code_of(int status, int cause);
-  // Whatever it is.
+  // Returns any answer.
   Result<HttpAnswer> answer_to(HttpRequest request, const std::stop_token& stop, const HttpReceiver& receiver = {});
-  // JSON, of status 2xx.
+  // Returns an answer with JSON and status 2xx.
   Result<HttpAnswer> ask(HttpRequest request, const std::stop_token& stop);
   template <class Message>
   Result<Message> ask_for(HttpRequest request, const std::stop_token& stop);
@@ -117,8 +117,8 @@ class Server {
   Error with_advice(Error failed) const;
 
   ServerOptions options_;
-  Connection connection_, watching_;  // one listens to events while the other asks
-  bool heard_ = false;                // it has answered something
+  Connection connection_, watching_;  // the second listens to events, while the first asks
+  bool heard_ = false;                // the server has answered a request
 };
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// What a server is asked about results, their files, and uploads.
+// Requests about results, their files, and uploads.
 #include <algorithm>
 #include <charconv>
 #include <utility>
@@ -58,7 +58,7 @@ Result<std::uint64_t> Server::uploaded(const std::string& folder, const std::str
   std::uint64_t bytes = 0;
   const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), bytes);
   if (answer.status == 204 && wrong == std::errc{} && end == text.data() + text.size()) return bytes;
-  // The answer to HEAD has no sentence of its own.
+  // The answer to HEAD has no sentence.
   return error(code_of(answer.status, 0),
                options_.address.text() + ": the upload is refused with status " + std::to_string(answer.status));
 }

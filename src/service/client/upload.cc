@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int conflict = 409;  // also while the server has not seen yet that the connection has ended
+constexpr int conflict = 409;  // also while the server has not noticed the end of a connection
 
 Result<std::uint64_t> size_to_send(const FileHandle& file, const fs::path& path) {
   struct stat status {};
@@ -52,7 +52,7 @@ Result<std::uint64_t> upload(Server& server, const fs::path& path, const std::st
     const auto sent = server.upload(folder, name, from, size - from, source, answer, stop);
     if (sent) return size;
     const bool cut = answer == 0 ? sent.error().code == Errc::io && !disk_failed : again && answer == conflict;
-    // Never reached, or nothing that time heals.
+    // The server was never reached, or waiting does not help.
     if (!cut || (at == 0 && !again)) return sent.error();
     again = true;
     BOOST_OUTCOME_TRYV(patience.wait(sent.error(), stop));
@@ -60,7 +60,7 @@ Result<std::uint64_t> upload(Server& server, const fs::path& path, const std::st
     if (!there && there.error().code != Errc::io) return there.error();
     if (!there) continue;
     if (there.value() != from) patience.restart();
-    // What is more than we have is another's.
+    // If the server has more than the file, these are bytes of another file.
     from = there.value() <= size ? there.value() : 0;
     on_bytes(from);
   }

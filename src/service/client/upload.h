@@ -1,4 +1,4 @@
-// A file here, as an upload on the server.
+// Uploads a file to the server.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace tessera {
 
-// Sends `file` as FOLDER/NAME, in place of what has that name there. A connection that ends is gone on with, within the
-// server's patience. `on_bytes` is told how many have been sent. Gives the size. Errors: those of Server::upload(); io
-// of the disk; usage when it is no file; io when it becomes shorter meanwhile.
+// Sends `file` as FOLDER/NAME, and replaces a file of that name. If the connection ends, continues within the server's
+// patience. `on_bytes` gets the number of bytes sent so far. Returns the size. Errors: those of Server::upload(); io of
+// the disk; usage when it is no file; io when the file becomes shorter meanwhile.
 Result<std::uint64_t> upload(Server& server, const std::filesystem::path& file, const std::string& folder,
                              const std::string& name, const std::function<void(std::uint64_t)>& on_bytes,
                              const std::stop_token& stop);

@@ -1,4 +1,4 @@
-// The files that a job has written beside a result, as files here.
+// Downloads the files that a job has written beside a result.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,13 @@ struct WrittenFile {
   std::uint64_t bytes = 0, xxh3 = 0;
 };
 
-// Of what an export job found. Error corrupt when it does not say, or a path would lead elsewhere.
+// The files in the outcome of an export job. Error corrupt when the outcome does not list them, or when a path would
+// lead out of the folder.
 Result<std::vector<WrittenFile>> written_files(const nlohmann::ordered_json& outcome);
 
-// Where they go here, in their order: nothing that a server says leads out of what was asked for. `made`: what the
-// export is called there, a folder whose files keep their names in `folder`; or a file that becomes `target`, as do
-// those beside it with its name and another of the `endings`. Error corrupt for files that are neither.
+// The local paths of the files, in their order. Nothing that a server says leads out of the target. `made` is the name
+// of the export on the server: a folder, whose files keep their names in `folder`; or a file that becomes `target`, as
+// do the files beside it with the same name and another of the `endings`. Error corrupt for other files.
 Result<std::vector<std::filesystem::path>> places_in_folder(const std::vector<WrittenFile>& files,
                                                             const std::string& made,
                                                             const std::filesystem::path& folder);
@@ -34,8 +35,8 @@ Result<std::vector<std::filesystem::path>> places_beside(const std::vector<Writt
                                                          const std::filesystem::path& target,
                                                          const std::set<std::string>& endings);
 
-// Each to its place, instead of what is there, when it is whole and has its checksum; folders are made. What a fetch
-// that was cut has left under the temporary names is gone on with. Errors: those of download().
+// Downloads each file to its place, and replaces existing files; makes folders. A file gets its name when it is
+// complete and has its checksum. Partial files of an interrupted download are continued. Errors: those of download().
 // REQUIRES: as many places as files.
 Status fetch_written(Server& server, const std::string& triangulation, const std::vector<WrittenFile>& files,
                      const std::vector<std::filesystem::path>& places,

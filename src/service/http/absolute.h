@@ -1,4 +1,4 @@
-// Links for programs that take a relative one for the name of a host, as GDAL 3.6 does.
+// Makes absolute links, for programs that take a relative link for the name of a host, as GDAL 3.6 does.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tessera::http {
 
-// By the host that was asked, which is one of ours (guard.h), unless there is a public address.
+// Uses the public address; without one, the host of the request, which is one of ours (guard.h).
 inline std::string absolute(const Links& links, const Request& request, std::string_view path) {
   std::string address = links.to(request, path);
   if (address.find("://") != std::string::npos) return address;

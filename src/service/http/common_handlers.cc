@@ -76,7 +76,7 @@ std::string conformance_text() {
 }
 
 Answer conformance(const Call&) {
-  // The text depends on nothing, and writing it costs a third of the whole answer.
+  // The text is constant, and writing it would take a third of the time of the whole answer.
   static const std::string text = conformance_text();
   return json_answer(200, text);
 }

@@ -1,4 +1,4 @@
-// How many connections a listener has, and how many of them an address: strangers cannot take them all.
+// Counts the connections of a listener, in all and from each address, so that one client cannot take them all.
 #pragma once
 
 #include <boost/asio/ip/address.hpp>
@@ -9,15 +9,16 @@
 
 namespace tessera::http {
 
-// Of addresses that are one network's of a single user (IPv6: the first 64 bits) one name; of IPv4 in IPv6 its own.
+// The group of an address. IPv6 addresses of one user's network (the same first 64 bits) have the same group. An IPv4
+// address in IPv6 form has the group of the IPv4 address.
 std::string group_of(const boost::asio::ip::address& address);
 
-// Safe from any thread.
+// Thread-safe.
 class ConnectionCounts {
  public:
-  // `most`: in all; half of them, but at least 8, from one address.
+  // Allows `most` connections in all, and half of them, but at least 8, from one group.
   explicit ConnectionCounts(std::uint32_t most);
-  // False when there are too many.
+  // Returns false when there are too many.
   bool take(const std::string& group);
   void give_back(const std::string& group);
 
@@ -28,8 +29,8 @@ class ConnectionCounts {
   std::unordered_map<std::string, std::uint32_t> groups_;
 };
 
-// How many connections fit into the limit of open files when each sends a file and half of the limit is left to jobs:
-// at most `wanted`.
+// The number of connections, at most `wanted`, that fit into the limit of open files when each sends a file and half of
+// the limit is left to jobs.
 std::uint32_t connections_within(std::uint64_t open_files, std::uint32_t wanted);
 
 }  // namespace tessera::http

@@ -9,8 +9,8 @@ namespace tessera::http {
 namespace {
 
 constexpr std::string_view page = "index.html";
-// Only its own files and this service; nothing that stands in the page itself runs or styles it. Text that comes from
-// jobs cannot become markup.
+// Only the dashboard's own files and this service; no script or style in the page itself. Text that comes from jobs
+// cannot become markup.
 constexpr const char* policy =
     "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; object-src 'none'; "
     "require-trusted-types-for 'script'";
@@ -21,7 +21,7 @@ Answer file_of(const Request& request, std::string_view name) {
   if (found == files.end()) return problem(404, "the dashboard has no file '" + std::string(name) + "'");
   Answer answer;
   answer.headers = {{"ETag", std::string(found->etag)},
-                    {"Cache-Control", "no-cache"},  // another version of the daemon has others under these names
+                    {"Cache-Control", "no-cache"},  // another version of the daemon has other files under these names
                     {"Content-Security-Policy", policy}};
   if (names_tag(request.header("if-none-match"), found->etag, true)) {
     answer.status = 304;
@@ -36,7 +36,7 @@ Answer dashboard(const Call& call) {
   if (call.request.target.path.ends_with('/')) return file_of(call.request, page);
   Answer answer;
   answer.status = 303;
-  answer.headers.emplace_back("Location", "ui/");  // which its files are relative to
+  answer.headers.emplace_back("Location", "ui/");  // its files have relative links
   return answer;
 }
 

@@ -1,4 +1,4 @@
-// JSON schemas of what is no message: the documents of the standards, and what the commands print.
+// JSON schemas of documents that are no messages: those of the standards, and what the commands print.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 
 namespace tessera::http {
 
-// To a schema of the document.
+// A reference to the schema of the document.
 nlohmann::ordered_json reference(const std::string& schema);
 void add_documents(nlohmann::ordered_json& schemas);
 

@@ -52,7 +52,7 @@ void EventQueue::append(const std::string& text, bool last) {
   if (over_) return;
   const bool was_empty = waiting_.empty();
   if (waiting_.size() + text.size() > limits_.bytes) {
-    // Half of the events would be a lie: the watcher comes back, and says which one it had last.
+    // A part of the events would mislead. The watcher comes back, and says which event it had last.
     waiting_.clear();
     over_ = true;
   } else {

@@ -1,5 +1,5 @@
-// Events on their way to one watcher, as the text of server-sent events (WHATWG HTML, 9.2). The service adds them from
-// any thread; the watcher's connection takes them out.
+// Events for one watcher, as the text of server-sent events (WHATWG HTML, 9.2). Any thread of the service adds events;
+// the watcher's connection takes them.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace tessera::http {
 
 std::string event_text(const proto::Event& event);
 
-// The same text for all watchers of an event: it is made once.
+// Makes the text of an event once for all watchers.
 class EventTexts {
  public:
   std::shared_ptr<const std::string> of(const std::shared_ptr<const proto::Event>& event);
@@ -36,20 +36,21 @@ class EventTexts {
 class EventQueue {
  public:
   struct Limits {
-    std::size_t bytes = 1 << 20;  // that wait; a watcher that is slower is dropped
+    std::size_t bytes = 1 << 20;  // that wait; a slower watcher is dropped
   };
 
-  // `job`: the stream ends with its last event; empty: of all jobs, without an end.
+  // The stream ends with the last event of `job`. If `job` is empty, it has the events of all jobs, and does not end.
   EventQueue(EventTexts& texts, std::string job, Limits limits);
 
-  // `woken` is called, from any thread, when something is there to take; replaced by nothing before it dies.
+  // `woken` is called from any thread when there is text to take. Set an empty function before `woken` becomes invalid.
   void on_wake(std::function<void()> woken);
   void add(const std::shared_ptr<const proto::Event>& event);
   void add_text(const std::string& text);
   void end();
   void keep(std::unique_ptr<Backend::Subscription> subscription) { subscription_ = std::move(subscription); }
 
-  // All that waits; `over`: nothing will come after it. A watcher that was too slow gets nothing more.
+  // Returns all text that waits. `over` is set when nothing will come after it. A watcher that was too slow gets no
+  // more text.
   std::string take(bool& over);
 
  private:
@@ -62,7 +63,7 @@ class EventQueue {
   std::string waiting_;
   bool over_ = false;
   std::function<void()> woken_;
-  // Last: it ends first, and with it the calls of add().
+  // Last, so that it is destroyed first and add() is not called any more.
   std::unique_ptr<Backend::Subscription> subscription_;
 };
 

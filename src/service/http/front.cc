@@ -25,12 +25,12 @@ bool is_page(const Headers& headers) {
   });
 }
 
-// Of who may not.
+// True for answers to callers without the right.
 bool is_refusal(int status) { return status == 401 || status == 403 || status == 429; }
 
 std::string name_of(const Request& request) { return request.caller.name.empty() ? "nobody" : request.caller.name; }
 
-// Who did what, and what came of it: the job of a submission, or why it was refused.
+// The caller, the request and its outcome: the job of a submission, or the reason of a refusal.
 std::string audit_line(const Request& request, const Answer& answer, const std::string& why) {
   std::string outcome = std::to_string(answer.status);
   for (const auto& [name, value] : answer.headers)
@@ -77,8 +77,8 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
     answer.headers.emplace_back("Allow", "DELETE, GET, HEAD, OPTIONS, POST, PUT");
     return answer;
   }
-  // Clients of the standard ask for the landing page with a slash at its end, which its links are then relative to; so
-  // are those of the dashboard.
+  // Clients of the standard request the landing page with a slash at its end, and its links are then relative to that.
+  // The same holds for the dashboard.
   std::string without(target);
   const std::size_t end = std::min(target.find('?'), target.size());
   const bool slash = target.substr(0, end) == "/v1/" || target.substr(0, end) == "/ui/";
@@ -100,7 +100,7 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
     answer.headers.emplace_back("Allow", joined(allowed));
     return answer;
   }
-  // Whoever it is: the dashboard asks for what it lacks.
+  // For any caller: the dashboard asks for a token.
   if (place == Place::api && request.target.path == "/" && request.method == "GET" && prefers(request, "text/html")) {
     Answer answer;
     answer.status = 303;
@@ -130,7 +130,7 @@ Admitted Front::admit(Request& request, std::string_view target, Place place) {
 Answer Front::answer(const Request& request, const Admitted& admitted) {
   try {
     Answer answer = admitted.route->handler({request, admitted.arguments, context_});
-    // Asked last: what is answered was true while the data folder was this daemon's.
+    // Checked last: then the answer was true while the data folder was this daemon's.
     const auto lost = context_.backend ? context_.backend->lost() : std::nullopt;
     return lost ? problem(503, *lost, static_cast<int>(Errc::io)) : std::move(answer);
   } catch (const std::exception& failure) {
@@ -152,11 +152,11 @@ void Front::complete(const Request& request, const Admitted& admitted, Answer& a
   headers.emplace_back("X-Frame-Options", "DENY");
   headers.emplace_back("Referrer-Policy", "no-referrer");
   headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
-  // A browser then takes no other way to this name; "localhost" is everybody's.
+  // Makes browsers use only TLS for this name; not for "localhost", which other programs use, too.
   if (request.tls && host_of(request.header("host")) != "localhost")
     headers.emplace_back("Strict-Transport-Security", "max-age=31536000");
-  // A report brings its own style and pictures; nothing runs in it, and nothing is fetched. The dashboard says itself
-  // what it needs.
+  // A report has its own style and pictures; it runs no scripts, and fetches nothing. The dashboard sets its own
+  // policy.
   if (!has(headers, "Content-Security-Policy"))
     headers.emplace_back("Content-Security-Policy",
                          is_page(headers)

@@ -1,4 +1,5 @@
-// From a request to its answer, without a socket: host, route, role, origin, handler, headers, figures, audit.
+// From a request to its answer, without a socket: checks of host, route, role and origin; the handler; headers, figures
+// and audit.
 #pragma once
 
 #include <chrono>
@@ -24,13 +25,13 @@ namespace tessera::http {
 
 struct FrontOptions {
   std::string public_url;
-  std::vector<std::string> hosts;       // beside those of the loopback
-  std::filesystem::path sessions = {};  // where those of browsers are kept; empty: nowhere
+  std::vector<std::string> hosts;       // in addition to those of the loopback
+  std::filesystem::path sessions = {};  // where browser sessions are kept; empty: nowhere
 };
 
-// What is known of a request once its header is there.
+// What is known of a request after its header.
 struct Admitted {
-  std::optional<Answer> answer;  // it is answered without its body
+  std::optional<Answer> answer;  // set when it is answered without its body
   const Route* route = nullptr;
   std::vector<std::string> arguments;
   std::chrono::steady_clock::time_point began;
@@ -39,24 +40,25 @@ struct Admitted {
 class Front {
  public:
   Front(Backend& backend, Tokens tokens, FrontOptions options);
-  // Sessions that the process before has left go on. Errors as of Sessions::load().
+  // Loads the sessions of the process before. Errors: as Sessions::load().
   Status load_sessions();
-  // Of a process without an API: health and figures alone, which need no token.
+  // For a process without an API: only health and figures, which need no token.
   explicit Front(const NodeHealth& node);
 
-  // Sets request.caller and, unless it is refused for it, request.target.
+  // Checks a request. Sets request.caller and, unless the target is refused, request.target.
   Admitted admit(Request& request, std::string_view target, Place place);
-  // The body is there.
+  // Answers a request whose body was read.
   Answer answer(const Request& request, const Admitted& admitted);
   Reply<std::unique_ptr<Backend::Upload>> begin_upload(const Request& request, const Admitted& admitted);
-  // Problem and headers of security are written; figures and audit.
+  // Writes the problem, if any, and the security headers; updates figures and audit.
   void complete(const Request& request, const Admitted& admitted, Answer& answer);
 
   const Router& router() const { return router_; }
   const Tokens& tokens() const { return tokens_; }
-  // Sessions of tokens that are gone end. Error io: they have, until a restart at which they are back.
+  // Replaces the tokens, and ends sessions of tokens that are gone. Error io: the sessions have ended, but come back at
+  // a restart.
   Status replace_tokens(Tokens tokens);
-  // What has not been told of refusals (RefusalLog::tell).
+  // Logs the refusals that were not logged yet (RefusalLog::tell).
   void tell_refusals(RefusalLog::Clock::time_point now) { refusals_.tell(now); }
   Metrics& metrics() { return *shared_.metrics; }
 

@@ -11,7 +11,7 @@
 namespace tessera::http {
 namespace {
 
-// What is sent twice could be read one way here and another way by what stands before us.
+// A header that comes twice could be read differently here and by a proxy in front.
 constexpr std::string_view once[] = {"host",     "authorization",   "content-type",  "origin",        "range",
                                      "if-range", "idempotency-key", "last-event-id", "upload-offset", "sec-fetch-site"};
 
@@ -22,7 +22,7 @@ bool is_address(const std::string& host) {
   return inet_pton(AF_INET, host.c_str(), binary.data()) == 1;
 }
 
-// The value of that cookie, of "a=b; c=d".
+// The value of this cookie in "a=b; c=d".
 std::string_view cookie(std::string_view header, std::string_view name) {
   while (!header.empty()) {
     const std::size_t end = std::min(header.find(';'), header.size());
@@ -41,7 +41,7 @@ bool has_scheme(std::string_view value, std::string_view scheme) {
          });
 }
 
-// Of "Basic ..." (RFC 7617): what is behind the name, whatever that is.
+// The password in "Basic ..." (RFC 7617), with any user name.
 std::optional<std::string> password_of(std::string_view value) {
   constexpr std::string_view scheme = "basic ";
   if (!has_scheme(value, scheme)) return std::nullopt;
@@ -52,12 +52,12 @@ std::optional<std::string> password_of(std::string_view value) {
                       reinterpret_cast<const unsigned char*>(value.data()), static_cast<int>(value.size()));
   if (bytes < 0) return std::nullopt;
   pair.resize(static_cast<std::size_t>(bytes));
-  while (!pair.empty() && pair.back() == '\0') pair.pop_back();  // it counts what '=' stands for, too
+  while (!pair.empty() && pair.back() == '\0') pair.pop_back();  // decoding also counts the bytes of '='
   const std::size_t colon = pair.find(':');
   return colon == std::string::npos ? std::nullopt : std::optional(pair.substr(colon + 1));
 }
 
-// Of "Bearer ..."; none of anything else.
+// The token in "Bearer ..."; nothing otherwise.
 std::optional<std::string_view> bearer_of(std::string_view value) {
   constexpr std::string_view scheme = "bearer ";
   if (!has_scheme(value, scheme)) return std::nullopt;
@@ -70,7 +70,7 @@ bool changes_state(std::string_view method) { return method != "GET" && method !
 
 bool FailureRate::allow(const std::string& address, Clock::time_point now) {
   const std::scoped_lock lock(mutex_);
-  // Who has filled the table starts everybody anew: it stays small, and that is all it must.
+  // When the table is full, all addresses begin anew. So the table stays small, which is enough.
   if (buckets_.size() >= addresses_max && !buckets_.contains(address)) buckets_.clear();
   const auto [at, fresh] = buckets_.try_emplace(address, Bucket{burst_, now});
   Bucket& bucket = at->second;
@@ -116,7 +116,7 @@ std::optional<Answer> Guard::check_host(const Request& request, Place place) con
   if (request.count("host") == 0) return problem(400, "the header Host is missing", 2);
   const std::string host = host_of(request.header("host"));
   if (hosts_.contains(host)) return std::nullopt;
-  // A supervisor asks by address; what makes a browser ask elsewhere than it thinks is a name.
+  // A supervisor uses an address. Attacks by DNS rebinding need a name.
   if (place == Place::operations && is_address(host)) return std::nullopt;
   return problem(421, "Host: this name is not one of this service's", 2);
 }
@@ -129,7 +129,8 @@ Guard::Shown Guard::identify(Request& request) const {
     if (const auto token = bearer_of(value)) {
       caller = tokens_.find(*token);
     } else if (const auto password = password_of(value)) {
-      // Programs that know only names and passwords, and browsers, which send them unasked: to read, whatever the role.
+      // For programs that know only user names and passwords. Browsers send passwords unasked, so they give the right
+      // to read only, whatever the token's role.
       caller = tokens_.find(*password);
       if (caller) caller->role = std::min(caller->role, Role::read);
     }
@@ -148,7 +149,7 @@ Guard::Shown Guard::identify(Request& request) const {
 Answer Guard::refuse(const Request& request, bool wrong) {
   if (wrong && !failures_.allow(request.remote, FailureRate::Clock::now())) {
     Answer answer = problem(429, "too many wrong tokens from this address");
-    answer.close = true;  // as many as fit into one connection would cost next to nothing
+    answer.close = true;  // otherwise many guesses on one connection would cost little
     return answer;
   }
   Answer answer = problem(401, wrong ? "the token is not one of this service's" : "a token is needed");
@@ -166,7 +167,7 @@ std::optional<Answer> Guard::check_role(const Request& request, const Shown& sho
 std::optional<Answer> Guard::check_origin(const Request& request, const Shown& shown) const {
   if (!shown.by_cookie || !changes_state(request.method)) return std::nullopt;
   const std::string_view site = request.header("sec-fetch-site"), origin = request.header("origin");
-  // The same host under the same scheme and port: what the browser asked is what the page came from.
+  // The same scheme, host and port: the page came from the address that the browser asks.
   const std::string own = (request.tls ? "https://" : "http://") + std::string(request.header("host"));
   const bool same = origin.empty()
                         ? site == "same-origin"
@@ -202,7 +203,7 @@ std::string Guard::set_cookie(const Request& request, const std::string& session
          (request.tls ? "; Secure" : "");
 }
 
-// Of its own for each port: browsers share cookies among all ports of a host.
+// One name a port, because browsers share cookies among all ports of a host.
 std::string Guard::cookie_name(const Request& request) { return "tessera-" + std::to_string(request.port); }
 
 }  // namespace tessera::http

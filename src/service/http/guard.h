@@ -1,4 +1,4 @@
-// Who may ask, from where: hosts, tokens, cookies, origins.
+// Decides who may ask, and from where: hosts, tokens, cookies, origins.
 #pragma once
 
 #include <chrono>
@@ -19,14 +19,14 @@
 
 namespace tessera::http {
 
-// How often an address may fail: `burst` times at once, then `per_second`. A right token is never refused for what
-// others at its address did: it has 256 bits, so that no rate makes guessing it worth while; the bound spares log and
-// processor.
+// Limits how often an address may fail: `burst` times at once, then `per_second`. A right token is never refused
+// because of others at its address. Tokens have 256 bits, so they cannot be guessed at any rate; the limit only spares
+// log and processor.
 class FailureRate {
  public:
   using Clock = std::chrono::steady_clock;
   FailureRate(double burst, double per_second) : burst_(burst), per_second_(per_second) {}
-  // Counts one; false when there were too many.
+  // Counts a failure; returns false when there were too many.
   bool allow(const std::string& address, Clock::time_point now);
 
  private:
@@ -40,27 +40,27 @@ class FailureRate {
   std::unordered_map<std::string, Bucket> buckets_;
 };
 
-// The host of a Host header or an origin's authority, in lower case, without its port; empty when it is none.
+// The host of a Host header or of an origin's authority, in lower case, without the port; empty when it is invalid.
 std::string host_of(std::string_view authority);
 
 class Guard {
  public:
-  // `hosts`: names allowed in Host beside those of this machine's loopback and of the public address.
+  // `hosts` are names that Host may have, in addition to those of the loopback and of the public address.
   Guard(const Tokens& tokens, Sessions& sessions, const std::vector<std::string>& hosts, std::string_view public_url);
 
-  // The answer to refuse with, if any. Sets request.caller.
+  // Returns an answer when the host is refused.
   std::optional<Answer> check_host(const Request& request, Place place) const;
-  // Whoever asks, if it can be told: true when what was shown is wrong.
+  // Finds the caller, and sets request.caller. `wrong` is true when the token or cookie is invalid.
   struct Shown {
     bool wrong = false, by_cookie = false;
   };
   Shown identify(Request& request) const;
   std::optional<Answer> check_role(const Request& request, const Shown& shown, Role needed);
-  // A browser sends its cookie for every page that asks it to; only our own pages may.
+  // A browser sends its cookie with requests of any page. Only our own pages are allowed.
   std::optional<Answer> check_origin(const Request& request, const Shown& shown) const;
-  // A session in exchange for the token that the request shows: the answer has its cookie.
+  // Begins a session for the token in the request. The answer sets its cookie.
   Answer sign_in(const Request& request);
-  // The session of the request's cookie ends, and the browser forgets the cookie.
+  // Ends the session of the request's cookie, and makes the browser forget the cookie.
   Answer sign_out(const Request& request);
 
  private:

@@ -1,4 +1,4 @@
-// The table of routes and who answers them.
+// The table of routes and their handlers.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,8 @@ namespace tessera::http {
 
 class Guard;
 
-// What outlives the handlers, and grows after them: the document and the figures are made from the table.
+// Data that must outlive the handlers. The document and the figures are made from the table of routes, so they are set
+// after it.
 struct Shared {
   EventTexts texts;
   std::string openapi;
@@ -24,7 +25,7 @@ struct Shared {
   Guard* guard = nullptr;
 };
 
-// What the listener for supervisors asks.
+// What the listener for supervisors needs.
 struct Operations {
   std::string name;  // of what is ready or not
   std::function<std::optional<std::string>()> unready;
@@ -32,7 +33,7 @@ struct Operations {
 };
 
 std::vector<Route> all_routes(Shared& shared, Backend& backend);
-// Health and figures alone.
+// Only health and figures.
 std::vector<Route> node_routes(Shared& shared, const NodeHealth& node);
 
 void add_common_routes(std::vector<Route>& routes, Shared& shared);
@@ -46,9 +47,9 @@ void add_node_routes(std::vector<Route>& routes);
 void add_dashboard_routes(std::vector<Route>& routes);
 void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations);
 
-// The number in a query: usage when it is none, or below 1; at most `max`.
+// The parameter `limit` of a query. Error usage when it is no number or below 1. At most `max`.
 Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std::uint32_t max);
-// Error of the caller as a problem with status 400.
+// An error of the caller, as a problem with status 400.
 Answer bad_request(const Error& error);
 
 }  // namespace tessera::http

@@ -6,7 +6,7 @@
 namespace tessera::http {
 namespace {
 
-// Of this second: made once in it.
+// The date of this second, made once a second.
 const std::string& date() {
   thread_local std::time_t made = 0;
   thread_local std::string text;
@@ -20,7 +20,7 @@ const std::string& date() {
   return text;
 }
 
-// A line break in a value would begin a header of its own.
+// A line break in a value would begin another header.
 void append_value(std::string& head, const std::string& value) {
   for (const char c : value) head += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
 }

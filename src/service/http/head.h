@@ -1,4 +1,4 @@
-// The first lines of an answer.
+// Writes the status line and the header of an answer.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace tessera::http {
 
-// Whether an answer of that status ends with its header.
+// True if an answer with this status has no body.
 inline bool has_no_body(int status) { return status == 204 || status == 304; }
 
-// Up to the empty line. `keep`: whether the connection goes on.
+// All lines up to the empty one. `keep`: the connection stays open.
 std::string head_of(const Answer& answer, bool keep);
 
 }  // namespace tessera::http

@@ -53,7 +53,7 @@ Answer execute(const Call& call) {
   if (!submitted) return problem(submitted.error());
   proto::StatusInfo& status = submitted.value().status;
   call.context.links.add(call.request, status);
-  // Asked again, the job that there is: the same answer, as if the first one had been lost.
+  // A repeated submission gets the existing job, with the same answer as the first.
   Answer answer = message_answer(call.request, 201, status);
   answer.headers.emplace_back("Location", call.context.links.to(call.request, job_path(status.job_id())));
   if (asks_for_job) answer.headers.emplace_back("Preference-Applied", "respond-async");
@@ -89,7 +89,7 @@ Answer jobs(const Call& call) {
   for (proto::StatusInfo& job : *list.mutable_jobs()) call.context.links.add(call.request, job);
   list.clear_links();
   *list.add_links() = call.context.links.link(call.request, "/v1/jobs", "self", json);
-  // A full page may be the last: then the next one is empty.
+  // A full page may be the last one: then the next page is empty.
   if (list.jobs_size() > 0 && static_cast<std::uint32_t>(list.jobs_size()) == query.limit) {
     std::string next = "/v1/jobs?limit=" + std::to_string(query.limit);
     for (const char* name : {"status", "processID"})
@@ -116,7 +116,7 @@ Answer resume(const Call& call) {
   return status_answer(call, call.context.backend->resume(call.arguments[0], call.request.caller));
 }
 
-// By reference what is a file; in place what a command printed.
+// Files by reference; output of a command in place.
 Answer results(const Call& call) {
   const Reply<proto::StatusInfo> found = call.context.backend->job(call.arguments[0]);
   if (!found) return problem(found.error());
@@ -157,12 +157,12 @@ Answer report(const Call& call) {
   return file ? file_answer(call.request, file.value()) : problem(file.error());
 }
 
-// `id`: empty for all jobs.
+// `id` is empty for all jobs.
 Answer events(const Call& call, Shared& shared, const std::string& id) {
   const std::string_view last_id = call.request.header("last-event-id");
   std::uint64_t last = 0;
   if (!last_id.empty()) {
-    // Of no daemon's numbers: from now on, as without.
+    // A number that no daemon has given: from now on, as without a number.
     if (last_id.size() <= 19 && last_id.find_first_not_of("0123456789") == std::string_view::npos)
       last = std::stoull(std::string(last_id));
     else
@@ -183,14 +183,14 @@ Answer events(const Call& call, Shared& shared, const std::string& id) {
     queue->add(now);
     return std::nullopt;
   };
-  // What there is to tell now; a watcher would else wait for the next change, or for ever.
+  // First the current state; otherwise a watcher would wait for the next change, or for ever.
   if (!id.empty())
     if (const auto refused = tell_now()) return problem(*refused);
   // The queue outlives the subscription that it holds.
   Reply<std::unique_ptr<Backend::Subscription>> subscription = call.context.backend->subscribe(
       id, last, [to = queue.get()](const std::shared_ptr<const proto::Event>& event) { to->add(event); });
   if (!subscription) return problem(subscription.error());
-  // Again: nobody was told of a change between the two, and it may have been the last.
+  // Again, because the watcher missed a change between the two calls, which may have been the last.
   if (!id.empty())
     if (const auto refused = tell_now()) return problem(*refused);
   queue->keep(std::move(subscription.value()));
@@ -288,7 +288,7 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     report});
   routes.push_back(
       {"POST", "/v1/jobs/{job}/resume", Role::submit, "resumeJob", "Go on with a job that stopped", {status}, resume});
-  // What the service knows by heart.
+  // Answers that the service has in memory.
   for (Route& route : routes)
     for (const char* name : {"listJobs", "getJob", "watchJob", "watchAll"})
       if (route.name == name) route.runs = Runs::at_once;

@@ -1,4 +1,4 @@
-// The links in the service's answers: relative to the answer's own address, or absolute below a public one.
+// The links in answers: relative to the answer's own address, or absolute below a public address.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ inline constexpr std::string_view result_not_ready =
 
 class Links {
  public:
-  // `public_url`: "https://host/prefix", or empty.
+  // `public_url` is "https://host/prefix", or empty.
   explicit Links(std::string public_url);
 
   // The address of `path` ("/v1/...") in an answer to `request`.
@@ -32,7 +32,7 @@ class Links {
 
 std::string job_path(std::string_view id);
 std::string triangulation_path(std::string_view name);
-// `path`: with slashes.
+// `path` may contain slashes.
 std::string file_path(std::string_view triangulation, std::string_view path);
 
 }  // namespace tessera::http

@@ -1,4 +1,4 @@
-// What there is to take: what results were made into, and inputs to choose from.
+// Lists of what can be downloaded or chosen: the exports of results, and inputs.
 #include <utility>
 
 #include "src/base/files/names.h"
@@ -11,7 +11,7 @@ constexpr std::uint32_t page = 100, page_max = 1000;
 constexpr const char* json = "application/json";
 constexpr const char* map_relation = "http://www.opengis.net/def/rel/ogc/1.0/tilesets-map";
 
-// To its bytes, and to what shows it: a map, features, a tileset.
+// Adds links to the export's bytes and to what shows it: a map, features, a tileset.
 void add_links(const Call& call, proto::ExportInfo& made) {
   const Links& links = call.context.links;
   Backend& backend = *call.context.backend;

@@ -62,14 +62,13 @@ Answer collection(const Call& call) {
   return found ? json_answer(200, json_text(told(call, found.value()))) : problem(found.error());
 }
 
-// The text of the features, with links to what goes with them. They are in the system that was asked for: another one
-// is refused.
+// The features with their links. The features are in the requested coordinate system; other systems were refused.
 Answer with_links(const Call& call, QuestionAnswer found, ordered_json links) {
   Answer answer;
   answer.headers = {{"Content-Type", geojson},
                     {"Content-Crs", "<" + std::string(call.request.target.parameter("crs").value_or(crs84_uri)) + ">"},
                     {"Tessera-Final", found.final ? "true" : "false"},
-                    // Lines may be drawn anew.
+                    // The lines may be drawn anew.
                     {"Cache-Control", "private, no-cache"}};
   answer.body = std::move(found.text) + ",\"links\":" + json_text(links) + "}\n";
   return answer;
@@ -120,7 +119,7 @@ Answer item(const Call& call) {
 
 ordered_json tileset(const Call& call, const std::string& name, const std::array<double, 4>& extent) {
   const std::string self = map_path(name);
-  // As in the standard: what stands in braces is put in by the client.
+  // As in the standard, clients replace the parts in braces.
   ordered_json places = link(call, self + "/0/0/0", "item", png, "A tile");
   std::string href = places["href"];
   href.replace(href.size() - 5, 5, "{tileMatrix}/{tileRow}/{tileCol}");
@@ -149,7 +148,7 @@ Answer map_tileset(const Call& call) {
   return json_answer(200, json_text(tileset(call, call.arguments[0], extent.value())));
 }
 
-// A number of a tile, of a map that is small enough for all of them to have few digits.
+// A number of a tile. Maps are small enough that all numbers have few digits.
 bool is_number(const std::string& text) {
   return !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
 }

@@ -14,7 +14,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-// How much the caller wants `type` (RFC 9110, 12.5.1), from the most precise range that covers it; 0: not at all.
+// The caller's preference for `type` (RFC 9110, 12.5.1), from the most precise range that matches; 0: not at all.
 double quality(std::string_view accept, std::string_view type) {
   if (accept.empty()) return 1;
   const std::string all_of_kind = std::string(type.substr(0, type.find('/'))) + "/*";
@@ -134,7 +134,7 @@ Answer problem(const proto::Problem& told) {
   Answer answer;
   answer.problem = told;
   proto::Problem& mine = *answer.problem;
-  // A status that is none would break the protocol.
+  // An invalid status would break the protocol.
   if (mine.status() < 400 || mine.status() > 599) mine.set_status(500);
   answer.status = mine.status();
   if (mine.type().empty()) mine.set_type("about:blank");

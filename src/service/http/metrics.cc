@@ -21,9 +21,9 @@ using prometheus::BuildCounter;
 using prometheus::BuildGauge;
 using prometheus::BuildHistogram;
 
-constexpr std::size_t classes = 6;  // of statuses: 1xx is [1]
+constexpr std::size_t classes = 6;  // of statuses; 1xx has index 1
 
-// What is counted elsewhere began when ours did.
+// Raises a counter to a value that is counted elsewhere, from the same start.
 void raise_to(prometheus::Counter& counter, double value) {
   if (value > counter.Value()) counter.Increment(value - counter.Value());
 }
@@ -31,7 +31,7 @@ void raise_to(prometheus::Counter& counter, double value) {
 }  // namespace
 
 struct Metrics::Impl {
-  // Made when a request of the kind comes first: most never do, and each is some lines at every scrape.
+  // Made with the first request of its kind, because most kinds never come, and each adds lines to every scrape.
   struct OfRoute {
     std::string name;
     std::array<std::atomic<prometheus::Counter*>, classes> requests{};
@@ -39,7 +39,7 @@ struct Metrics::Impl {
   };
 
   prometheus::Registry registry;
-  std::vector<OfRoute> routes;  // one more than there are: for what fits none
+  std::vector<OfRoute> routes;  // one for each route, and one for requests that match none
   prometheus::Family<prometheus::Counter>* requests = nullptr;
   prometheus::Family<prometheus::Histogram>* seconds = nullptr;
   prometheus::Counter* refused = nullptr;
@@ -47,7 +47,7 @@ struct Metrics::Impl {
   prometheus::Gauge* connections = nullptr;
   std::mutex scraping;
 
-  // A family is registered when it is first told: a process has those of what it is.
+  // A family is registered when it is first used, so a process has only the families of its kind.
   prometheus::Family<prometheus::Gauge>& gauges(const char* name, const char* help) {
     return BuildGauge().Name(name).Help(help).Register(registry);
   }

@@ -1,4 +1,4 @@
-// Figures for Prometheus: what is asked over HTTP, and what the service says of itself.
+// Figures for Prometheus: about requests over HTTP, and about the service.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,15 @@ class Metrics {
   explicit Metrics(const std::vector<Route>& routes);
   ~Metrics();
 
-  // `route`: its place in the table; beyond its end for what fits none.
+  // `route` is the index in the table of routes, or beyond its end when no route matches.
   void count(std::size_t route, int status, double seconds);
   void count_refused_connection();
   void count_failed_authentication();
   void add_connections(double change);
-  // In the text format of Prometheus.
+  // All figures in the text format of Prometheus.
   std::string text(const Backend::Figures& figures);
   std::string text(const NodeFigures& figures);
-  // What both tell, before them.
+  // Sets the figures that both kinds of process have. Call this before text().
   void tell(const ProcessFigures& process, bool ready);
 
  private:

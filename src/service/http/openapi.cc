@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// {path*} is {path}: the document cannot say that slashes are taken too.
+// {path*} becomes {path}: the document cannot express that slashes are included.
 std::string documented_path(std::string path) {
   path.erase(std::remove(path.begin(), path.end(), '*'), path.end());
   return path;
@@ -37,7 +37,7 @@ ordered_json parameters_of(const Route& route) {
   return parameters;
 }
 
-// What is not JSON; of a message, its name.
+// A schema for content that is not JSON; of a message, with its name.
 ordered_json bytes_of(const std::string& type, const std::string& schema = {}) {
   ordered_json told{{"type", "string"}, {"format", "binary"}};
   if (type == protobuf_type && is_message(schema)) told["description"] = "The message tessera.proto." + schema;

@@ -1,4 +1,4 @@
-// The OpenAPI 3.0 document, made from the table of routes and the messages.
+// Makes the OpenAPI 3.0 document from the table of routes and the messages.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tessera::http {
 
-// As JSON text. `server`: where the API is found, from the document's own address.
+// The document as JSON text. `server` is the address of the API, relative to the document's own.
 std::string openapi_document(const std::vector<Route>& routes, const std::string& server);
 
 }  // namespace tessera::http

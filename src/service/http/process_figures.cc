@@ -20,7 +20,7 @@ double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-// By the clock that the process started by, in the system's time of now: a clock that is set moves it.
+// Computed from the time since boot and the system's clock now. When the clock is set, the result changes.
 double started_at(double ticks_after_boot) {
   timespec since_boot{};
   ::clock_gettime(CLOCK_BOOTTIME, &since_boot);
@@ -51,7 +51,7 @@ ProcessFigures process_figures() {
   if (::getrlimit(RLIMIT_NOFILE, &files) == 0) out.open_files_max = files.rlim_cur;
   FolderReader reader("/proc/self/fd");
   while (reader.next()) ++out.open_files;
-  if (out.open_files > 0) --out.open_files;  // the reader's own
+  if (out.open_files > 0) --out.open_files;  // the descriptor of this reader
   return out;
 }
 

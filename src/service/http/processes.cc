@@ -118,7 +118,7 @@ bool is_required(const Process& process, const std::string& field) {
   return std::find(required->second.begin(), required->second.end(), field) != required->second.end();
 }
 
-// In protobuf the process of the address and the member of the oneof are the same.
+// In protobuf, the process in the address and the member of the oneof have the same name.
 const google::protobuf::FieldDescriptor& member_of(const Process& process) {
   return *proto::Inputs::descriptor()->FindFieldByName(process.name);
 }
@@ -179,7 +179,7 @@ Result<proto::Inputs> read_inputs(const Process& process, const Request& request
       return error(Errc::usage, std::string("inputs: must be those of ") + process.name);
     return execute.inputs();
   }
-  // In JSON the address alone says which inputs they are.
+  // In JSON, the process in the address decides which inputs are meant.
   proto::Inputs inputs;
   google::protobuf::Message* chosen = inputs.GetReflection()->MutableMessage(&inputs, &member_of(process));
   if (nested_too_deep(request.body))
@@ -188,7 +188,7 @@ Result<proto::Inputs> read_inputs(const Process& process, const Request& request
   if (!body.is_object()) return error(Errc::usage, "the body must be a JSON object");
   for (const auto& [name, value] : body.items()) {
     if (name == "inputs") continue;
-    // What the standard lets a client ask for, where the answer is as ours is anyway.
+    // Requests that the standard allows, and that do not change the answer.
     if (name == "outputs" && value.is_object()) continue;
     if (name == "response" && value == "document") continue;
     return error(Errc::usage, as_utf8(name) + ": is not supported");

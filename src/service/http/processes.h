@@ -1,4 +1,4 @@
-// The processes: what they are called, what goes in, and their descriptions (OGC API - Processes, 7.10).
+// The processes: their names, inputs and descriptions (OGC API - Processes, 7.10).
 #pragma once
 
 #include <google/protobuf/descriptor.h>
@@ -19,8 +19,8 @@ struct Process {
   const char* description;
   const google::protobuf::Descriptor* inputs;  // the message
   bool waits;                                  // answered at once, unless a job is asked for; else always a job
-  const char* outcome;                         // what comes out
-  bool estimated;                              // what it would take is told beforehand
+  const char* outcome;                         // description of the outcome
+  bool estimated;                              // its cost can be estimated
 };
 
 std::span<const Process> processes();
@@ -29,8 +29,8 @@ const Process* find_process(std::string_view name);
 nlohmann::ordered_json process_summary(const Process& process, const Links& links, const Request& request);
 nlohmann::ordered_json process_description(const Process& process, const Links& links, const Request& request);
 
-// The inputs of an execution of `process`, from JSON {"inputs": {...}} or from an Execute in protobuf. Errors usage:
-// they name the field.
+// Reads the inputs of an execution of `process`, from JSON {"inputs": {...}} or from an Execute in protobuf. Errors
+// usage, with the field.
 Result<proto::Inputs> read_inputs(const Process& process, const Request& request);
 
 }  // namespace tessera::http

@@ -1,4 +1,4 @@
-// Questions to results. An answer is a function of the result and the question: it has an ETag before it is found.
+// Questions to results. An answer depends only on the result and the question, so its ETag is known before the answer.
 #include <algorithm>
 #include <span>
 #include <utility>
@@ -20,7 +20,7 @@ constexpr const char* gltf = "model/gltf-binary";
 constexpr const char* bytes = "application/octet-stream";
 constexpr const char* tiff = "image/tiff; application=geotiff; profile=cloud-optimized";
 
-// Of the answer to a GET: of this result, question and form.
+// The ETag of the answer to a GET: depends on the result, the question and the form of the answer.
 std::string tag_of(const std::string& identity, const Request& request, bool as_message) {
   std::string text = identity + (as_message ? protobuf_type : "");
   for (const std::string& segment : request.target.segments) text += '\n' + segment;
@@ -28,7 +28,8 @@ std::string tag_of(const std::string& identity, const Request& request, bool as_
   return "\"answer-" + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\"";
 }
 
-// Whether the answer is to be a message; `type`: of the body, as which answers go back. What `f` says counts for more.
+// True if the answer is to be a message. `type` is the type of the body, which the answer has, too, unless Accept or
+// the option `f` says otherwise.
 bool wants_message(const Request& request, About about, const std::string& type) {
   if (!has_message(about) || request.target.parameter("f")) return false;
   if (type == protobuf_type) return !prefers(request, json, protobuf_type);
@@ -75,13 +76,13 @@ Handler asks(About about) {
     }
     answer.headers.emplace_back("ETag", tag);
     if (has_message(about)) answer.headers.emplace_back("Vary", "Accept");
-    // Another result may have the name one day.
+    // Another result may have this name one day.
     answer.headers.emplace_back("Cache-Control", "private, no-cache");
     return answer;
   };
 }
 
-// `types`: of a body; parameters of a type do not count.
+// `types` are the allowed types of a body; parameters of a type are ignored.
 Handler asks_with_body(About about, std::vector<std::string> types) {
   return [about, types = std::move(types)](const Call& call) {
     Question question = question_of(call, about, media_type(call.request.header("content-type")));

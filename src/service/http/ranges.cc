@@ -9,7 +9,7 @@
 namespace tessera::http {
 namespace {
 
-// A number of digits alone; too large a one is the largest there is, which is beyond every file.
+// A number of digits only. Too large a number becomes the largest one, which is beyond the end of every file.
 std::optional<std::uint64_t> number(std::string_view text) {
   if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
   std::uint64_t value = 0;
@@ -68,7 +68,7 @@ Answer file_answer(const Request& request, const ServedFile& served) {
   answer.headers.emplace_back("Accept-Ranges", "bytes");
   if (!served.etag.empty()) {
     answer.headers.emplace_back("ETag", served.etag);
-    // Under its ETag a file never changes; under its name another may stand one day.
+    // A file with this ETag never changes, but another file may get this name.
     answer.headers.emplace_back("Cache-Control", "private, no-cache");
   } else {
     answer.headers.emplace_back("Cache-Control", "no-store");
@@ -80,7 +80,7 @@ Answer file_answer(const Request& request, const ServedFile& served) {
   answer.headers.emplace_back("Content-Type", served.type);
   const std::string_view only_if = request.header("if-range");
   RangeFound found;
-  // A date as If-Range matches nothing: there is no Last-Modified.
+  // A date in If-Range never matches, because there is no Last-Modified.
   if (only_if.empty() || (!served.etag.empty() && only_if == served.etag))
     found = find_range(request.header("range"), served.bytes);
   if (found.kind == RangeKind::unsatisfiable) {

@@ -1,4 +1,4 @@
-// Files over HTTP: validators, conditions and one range of bytes (RFC 9110, 13 and 14).
+// Files over HTTP: validators, conditions and single byte ranges (RFC 9110, 13 and 14).
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,13 @@ struct RangeFound {
   ByteRange range;
 };
 
-// What "Range: `header`" asks of `size` bytes. Whatever is no single range of bytes is not understood: the whole file.
+// The range that "Range: `header`" selects of `size` bytes. Anything but a single byte range means the whole file.
 RangeFound find_range(std::string_view header, std::uint64_t size);
 
-// Whether a list of If-None-Match or If-Match names that entity tag; `weakly`: W/ is ignored.
+// True if a list of If-None-Match or If-Match contains the entity tag. With `weakly`, W/ is ignored.
 bool names_tag(std::string_view list, std::string_view etag, bool weakly);
 
-// The answer to GET or HEAD of a file: 200, 206, 304, 412 or 416. Takes the descriptor.
+// The answer to GET or HEAD of a file: 200, 206, 304, 412 or 416. Takes over the descriptor.
 Answer file_answer(const Request& request, const ServedFile& served);
 
 }  // namespace tessera::http

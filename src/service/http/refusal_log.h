@@ -1,4 +1,4 @@
-// What the log is told of those who are refused: who asks often does not fill it.
+// Logs refused requests. Frequent requests do not fill the log.
 #pragma once
 
 #include <chrono>
@@ -11,8 +11,8 @@
 
 namespace tessera::http {
 
-// Of each caller, "who from where", a line a second and then how many more there were; of many callers no more than
-// `callers_max`. Safe from any thread.
+// For each caller ("who from where") logs one line a second, and then the number of further refusals; for at most
+// `callers_max` callers. Thread-safe.
 class RefusalLog {
  public:
   using Clock = std::chrono::steady_clock;
@@ -21,7 +21,7 @@ class RefusalLog {
 
   explicit RefusalLog(Write write) : write_(std::move(write)) {}
   void refused(const std::string& caller, const std::string& line, Clock::time_point now);
-  // To be called every second or so: tells what has not been told of those whose second is over.
+  // Call this about every second: logs the counts of callers whose second is over.
   void tell(Clock::time_point now);
 
  private:
@@ -32,7 +32,7 @@ class RefusalLog {
   const Write write_;
   std::mutex mutex_;
   std::unordered_map<std::string, Told> told_;
-  std::uint64_t elsewhere_ = 0;  // of callers for whom there was no room
+  std::uint64_t elsewhere_ = 0;  // refusals of further callers
 };
 
 }  // namespace tessera::http

@@ -55,7 +55,7 @@ Answer file(const Call& call) {
   return found ? file_answer(call.request, found.value()) : problem(found.error());
 }
 
-// The files of the tileset that the dashboard shows, where programs look for such.
+// The files of the tileset that the dashboard shows, where programs expect a tileset.
 Answer tileset(const Call& call) {
   const std::filesystem::path path = tileset_of_result("") / call.arguments[1];
   const Reply<ServedFile> found = call.context.backend->file(call.arguments[0], path.string());

@@ -23,7 +23,7 @@ bool takes_the_rest(std::string_view segment) { return segment.ends_with("*}"); 
 
 bool fits(const std::vector<std::string>& wanted, const std::vector<std::string>& segments) {
   const bool rest = !wanted.empty() && takes_the_rest(wanted.back());
-  // Most routes differ in their number of segments: that is seen first.
+  // Most routes differ in their number of segments, so that is compared first.
   if (rest ? segments.size() < wanted.size() : segments.size() != wanted.size()) return false;
   for (std::size_t at = 0; at < wanted.size(); ++at)
     if (!is_argument(wanted[at]) && wanted[at] != segments[at]) return false;

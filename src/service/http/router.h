@@ -1,4 +1,4 @@
-// The table of routes: what there is, who may, who answers, and what the documents say of it.
+// The table of routes: paths, required roles, handlers, and descriptions for the documents.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace tessera::http {
 
-// What a handler needs beside the request.
+// What handlers need in addition to the request.
 struct Context {
   Backend* backend;  // null where only health and figures are served
   const Links& links;
@@ -22,51 +22,51 @@ struct Context {
 
 struct Call {
   const Request& request;
-  const std::vector<std::string>& arguments;  // what stands in the braces of the path, in order
+  const std::vector<std::string>& arguments;  // the parts of the path for the braces, in order
   const Context& context;
 };
 
 struct Parameter {
-  std::string name, type, description;  // type: of JSON schema
+  std::string name, type, description;  // type of JSON schema
 };
 
 struct Response {
   int status = 200;
   std::string type;    // media type; empty: no content
-  std::string schema;  // its name in the document; empty: not JSON
+  std::string schema;  // name of the schema in the document; empty: not JSON
   std::string description;
 };
 
-// Where a route is found: with the API, or on the listener that supervisors and Prometheus see.
+// Where a route is served: with the API, or on the listener for supervisors and Prometheus.
 enum class Place : std::uint8_t { api, operations };
 
 using Handler = std::function<Answer(const Call&)>;
-// Begins to take a body of any length.
+// Begins to receive a body of any length.
 using UploadHandler = std::function<Reply<std::unique_ptr<Backend::Upload>>(const Call&)>;
 
-// Where a handler runs, which may wait for a disk, or for who writes to one.
+// Where a handler runs. A handler may wait for a disk, or for another thread that writes to a disk.
 enum class Runs : std::uint8_t {
-  at_once,   // never waits: by a thread that serves connections
+  at_once,   // never waits: on a thread that serves connections
   health,    // beside all others
   disk,      // for a short time
-  changes,   // in turn with other callers, here and below: what reads inputs, makes jobs or removes what is there
+  changes,   // in turn with other callers, here and below: reads inputs, makes jobs or removes files
   questions  // to results
 };
-// Callers take turns, and its stop token tells when its caller has gone.
+// True if callers take turns. Then the caller's stop token says when the caller has gone.
 constexpr bool in_turn(Runs runs) { return runs == Runs::changes || runs == Runs::questions; }
 
 struct Route {
-  std::string method, path;  // "/v1/jobs/{job}"; a last "{path*}" takes all that is left
-  Role role = Role::admin;   // the least that is allowed to
+  std::string method, path;  // "/v1/jobs/{job}"; a last "{path*}" matches the rest of the path
+  Role role = Role::admin;   // the lowest role that is allowed
   std::string name, summary;
   std::vector<Response> responses;
   Handler handler;
   std::vector<Parameter> query = {};
-  std::string body = {};                     // the name of the schema of what is sent
-  std::vector<std::string> body_types = {};  // media types that it may have beside JSON; none: protobuf
+  std::string body = {};                     // the name of the body's schema
+  std::vector<std::string> body_types = {};  // media types that the body may have in addition to JSON; none: protobuf
   Place place = Place::api;
   Runs runs = Runs::disk;
-  UploadHandler upload = {};  // instead of reading the body for `handler`, which then answers once all is taken
+  UploadHandler upload = {};  // if set, receives the body; `handler` answers after it
 };
 
 class Router {
@@ -74,14 +74,14 @@ class Router {
   explicit Router(std::vector<Route> routes);
 
   const std::vector<Route>& routes() const { return routes_; }
-  // Of the routes whose path fits, the one of `method` (GET for HEAD where there is no HEAD), with the arguments.
-  // `allowed` gets the methods of them all; empty: 404.
+  // Finds the route for `method` among the routes with this path (GET for HEAD where there is no HEAD), and its
+  // arguments. `allowed` gets the methods of all routes with this path; empty means 404.
   const Route* find(Place place, std::string_view method, const std::vector<std::string>& segments,
                     std::vector<std::string>& arguments, std::vector<std::string>& allowed) const;
 
  private:
   std::vector<Route> routes_;
-  std::vector<std::vector<std::string>> templates_;  // of each route, its segments
+  std::vector<std::vector<std::string>> templates_;  // segments by route
 };
 
 }  // namespace tessera::http

@@ -12,7 +12,7 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using nlohmann::ordered_json;
 
-// Where not every value of the type is one: of inputs by the field's name, which all processes call alike.
+// The possible values where a type has more than are valid, by the field's name, which is the same in all processes.
 ordered_json values_of(const FieldDescriptor& field) {
   static const std::map<std::string, ordered_json> inputs{
       {"dim", {2, 3}},

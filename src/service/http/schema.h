@@ -1,4 +1,4 @@
-// JSON schemas (as OpenAPI 3.0 has them) of the messages of proto/service.proto, made from their descriptors.
+// Makes JSON schemas (those of OpenAPI 3.0) of the messages of proto/service.proto from their descriptors.
 #pragma once
 
 #include <google/protobuf/descriptor.h>
@@ -12,13 +12,13 @@ namespace tessera::http {
 
 // A field's name in JSON.
 std::string json_name(const google::protobuf::FieldDescriptor& field);
-// Of one value, of a list of them for a repeated field. Messages are references.
+// The schema of one value, or of a list for a repeated field. Messages are references.
 nlohmann::ordered_json field_schema(const google::protobuf::FieldDescriptor& field);
-// By message: the fields that it always has, by their names there. Protobuf itself does not say.
+// By message: the JSON names of the fields that are always set, which protobuf does not tell.
 const std::map<std::string, std::vector<std::string>>& required_fields();
-// Of every message of the file, under its name.
+// The schemas of all messages of the file, by name.
 nlohmann::ordered_json message_schemas();
-// Whether what this schema says may also be a message: one of that name, in proto/service.proto or proto/query.proto.
+// True if the schema is also a message of this name in proto/service.proto or proto/query.proto.
 bool is_message(const std::string& schema);
 
 }  // namespace tessera::http

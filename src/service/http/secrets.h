@@ -1,4 +1,4 @@
-// Random numbers that nobody guesses, and comparisons that tell nothing of them.
+// Random secrets, and comparisons that reveal nothing of them.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,10 @@ namespace tessera::http {
 
 // `bytes` random bytes of the system, in hexadecimal.
 std::string random_hex(std::size_t bytes);
-// Tells a secret from every other without telling it (SHA-256, in hexadecimal). Of secrets that nobody can guess alone.
+// A checksum that identifies a secret without revealing it (SHA-256, in hexadecimal). Only for secrets that cannot be
+// guessed.
 std::string checksum_of_secret(std::string_view secret);
-// In a time that depends on the lengths alone.
+// Compares in a time that depends only on the lengths.
 bool equal_in_constant_time(std::string_view a, std::string_view b);
 
 }  // namespace tessera::http

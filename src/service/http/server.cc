@@ -42,7 +42,7 @@ Error listen_error(const ListenOptions& listen, const ErrorCode& failed) {
 
 struct Server::Impl {
   struct Listener {
-    // What closes it must not run beside what accepts, which looks at it between two connections.
+    // A strand: closing must not run at the same time as the accepting loop, which checks it between two connections.
     Listener(asio::io_context& io, bool operations, std::uint32_t most)
         : acceptor(asio::make_strand(io)), operations(operations), connections(most) {}
     tcp::acceptor acceptor;
@@ -52,7 +52,7 @@ struct Server::Impl {
   struct Known {
     std::weak_ptr<Session> session;
     Listener* listener = nullptr;
-    std::string address;  // that it counts for
+    std::string address;  // the group for which it counts
   };
 
   Impl(ServerOptions given, Backend& backend, Tokens tokens)
@@ -127,7 +127,7 @@ asio::awaitable<void> Server::Impl::accept_all(Listener& listener) {
       told = false;
       begin(std::move(socket), listener);
     } else if (error != asio::error::operation_aborted) {
-      // No descriptors left, mostly: they come back when connections end.
+      // Mostly there are no descriptors left; some come back when connections end.
       if (!std::exchange(told, true)) spdlog::warn("cannot accept a connection: {}", error.message());
       asio::steady_timer timer(io, accept_again);
       co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -176,7 +176,7 @@ void Server::Impl::begin(tcp::socket socket, Listener& listener) {
       });
 }
 
-// Without waiting: so short an answer always fits into a new socket. Under TLS nothing could be said without a
+// Does not wait, because so short an answer always fits into a new socket. Under TLS no answer is possible without a
 // handshake.
 void Server::Impl::refuse(tcp::socket socket, const Listener& listener) {
   front.metrics().count_refused_connection();
@@ -189,7 +189,7 @@ void Server::Impl::refuse(tcp::socket socket, const Listener& listener) {
     socket.non_blocking(true, ignored);
     socket.send(asio::buffer(answer), 0, ignored);
     socket.shutdown(tcp::socket::shutdown_send, ignored);
-    // What has come is taken: closing over it would reset the connection, and the answer with it.
+    // Reads what has come: closing the socket with unread bytes would reset the connection, and lose the answer.
     std::array<char, 4096> unread{};
     socket.receive(asio::buffer(unread), 0, ignored);
   }
@@ -212,7 +212,7 @@ Server::~Server() {
   for (const auto& [key, known] : impl_->sessions)
     if (const auto session = known.session.lock()) session->stop_asking();
   impl_->workers.stop();
-  impl_->workers.join();  // what they are at refers to sessions
+  impl_->workers.join();  // their work refers to sessions
   impl_->front.tell_refusals(RefusalLog::Clock::time_point::max());
 }
 
@@ -259,7 +259,7 @@ std::string Server::token() const { return impl_->front.tokens().first(Role::adm
 
 Status Server::reload() {
   const ServerOptions& options = impl_->options;
-  // Tokens first: to take one back must not wait for a certificate that is in order.
+  // Tokens first: revoking a token must not wait for a valid certificate.
   BOOST_OUTCOME_TRY(tokens, Tokens::open(options.tokens, Tokens::Empty::allowed));
   const Status ended = impl_->front.replace_tokens(std::move(tokens));
   if (!options.certificate.empty()) {

@@ -23,7 +23,7 @@ using asio::redirect_error;
 using asio::use_awaitable;
 
 constexpr std::size_t read_bytes = 8 << 10;
-constexpr std::size_t lingering_max = 64 << 20;  // a refused upload goes on until its sender looks at the answer
+constexpr std::size_t lingering_max = 64 << 20;  // the sender of a refused upload may see the answer only at its end
 constexpr std::chrono::milliseconds lingering{2000};
 
 std::string lower_case(beast::string_view text) {
@@ -32,7 +32,7 @@ std::string lower_case(beast::string_view text) {
   return lower;
 }
 
-// Obsolete folding (RFC 9112, 5.2), which Beast takes.
+// Obsolete line folding (RFC 9112, 5.2), which Beast accepts.
 bool has_folded_line(std::string_view header) {
   for (std::size_t end = header.find('\n'); end != std::string_view::npos; end = header.find('\n', end + 1))
     if (end + 1 < header.size() && (header[end + 1] == ' ' || header[end + 1] == '\t')) return true;
@@ -58,7 +58,7 @@ Session::~Session() { front_.metrics().add_connections(-1); }
 
 void Session::give_up_after(std::chrono::milliseconds time) {
   deadline_ = std::chrono::steady_clock::now() + time;
-  if (deadline_ < time_.expiry()) time_.expires_at(deadline_);  // wakes watch_time(), which waits anew
+  if (deadline_ < time_.expiry()) time_.expires_at(deadline_);  // wakes watch_time(), which then waits anew
 }
 
 asio::awaitable<void> Session::watch_time() {
@@ -68,7 +68,7 @@ asio::awaitable<void> Session::watch_time() {
     co_await time_.async_wait(redirect_error(use_awaitable, changed));
     if (open_ && std::chrono::steady_clock::now() >= deadline_) {
       open_ = false;
-      ErrorCode ignored;  // whatever waits for the socket ends with an error of its own
+      ErrorCode ignored;  // all operations on the socket end with an error
       transport_->socket().close(ignored);
     }
   }
@@ -190,7 +190,7 @@ std::optional<Answer> Session::refused_by_header(const Incoming& incoming, bool 
 asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   auto& parser = incoming.parser.emplace();
   parser.header_limit(limits_.header_bytes);
-  parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // what is too long is said once it is known who asks
+  parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // too long a body is refused when the caller is known
   ErrorCode error;
   if (buffer_.size() == 0) {
     if (draining_) co_return false;
@@ -204,7 +204,7 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   bool folded = false;
   for (bool timed = false;; timed = true) {
     const std::size_t used = parser.put(buffer_.data(), error);
-    // All at once, when all of it is there.
+    // All bytes at once, when all are there.
     folded = folded || has_folded_line({static_cast<const char*>(buffer_.data().data()), used});
     buffer_.consume(used);
     if (!error && parser.is_header_done()) break;
@@ -261,7 +261,7 @@ asio::awaitable<bool> Session::send(Incoming& incoming, Answer answer) {
   const bool keep = incoming.keep_alive && !answer.close && !draining_ && !unread_;
   const std::string head = head_of(answer, keep);
   const bool bare = incoming.head || has_no_body(answer.status);
-  const std::function<void()> progress = [this] { give_up_after(limits_.write); };  // a slow reader is no dead one
+  const std::function<void()> progress = [this] { give_up_after(limits_.write); };  // a slow reader is not a dead one
   progress();
   ErrorCode error = co_await transport_->write(
       head, bare || answer.file || answer.events ? std::string_view() : answer.body, progress);
@@ -276,8 +276,8 @@ asio::awaitable<bool> Session::send(Incoming& incoming, Answer answer) {
   co_return keep && !error;
 }
 
-// A connection closed with bytes unread is reset, and the peer loses the answer: what it still sends is thrown away,
-// for a while.
+// If a connection is closed with unread bytes, it is reset and the peer loses the answer. So bytes that the peer still
+// sends are read and dropped for a while.
 asio::awaitable<void> Session::linger() {
   ErrorCode error;
   for (std::size_t bytes = 0; !error && bytes < lingering_max;) {

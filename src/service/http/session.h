@@ -1,4 +1,4 @@
-// What is said over one connection: requests one after the other, each within its time and size.
+// Serves one connection: requests one after the other, each with limits of time and size.
 #pragma once
 
 #include "src/service/http/transport.h"
@@ -21,25 +21,25 @@ namespace tessera::http {
 
 struct SessionLimits {
   std::uint32_t header_bytes = 8 << 10;
-  std::uint64_t body_bytes = 1 << 20;  // uploads apart
-  // `write`: without any progress; `work`: of what takes turns, but for questions, which have bounds of their own.
+  std::uint64_t body_bytes = 1 << 20;  // without uploads
+  // `write` is the time without any progress; `work` is for requests that take turns, except questions, which have
+  // bounds of their own.
   std::chrono::milliseconds header{10'000}, idle{60'000}, body{30'000}, write{30'000}, comment{15'000}, work{60'000};
 };
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  // `place`: what the listener offers. `front` outlives it.
-  // `workers` do what waits, so that the threads that serve connections never do; they are joined before what runs
-  // sessions dies.
+  // `place` says what the listener offers. `front` must outlive the session. `workers` do the work that waits, so that
+  // the threads that serve connections never wait. Join `workers` before destroying what runs sessions.
   Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
           Workers& workers);
   ~Session();
 
-  // Until the connection ends.
+  // Runs until the connection ends.
   asio::awaitable<void> run();
-  // From any thread: nothing new is begun, an idle connection ends, streams of events end.
+  // From any thread: begins nothing new, ends an idle connection, ends streams of events.
   void drain();
-  // What is being done for it, if anything, ends. REQUIRES: nothing runs the session any more.
+  // Stops work for this session, if there is any. REQUIRES: the session no longer runs.
   void stop_asking() {
     if (asked_) asked_->stop.request_stop();
   }
@@ -47,14 +47,14 @@ class Session : public std::enable_shared_from_this<Session> {
 
  private:
   struct Incoming;  // a request while it is read
-  struct Asked {    // what is done in turn with others
+  struct Asked {    // work that is done in turn with other callers
     std::stop_source stop;
     std::atomic<bool> begun = false;
     std::chrono::steady_clock::time_point since;  // set before `begun`
   };
 
   void give_up_after(std::chrono::milliseconds time);
-  void never_give_up() { deadline_ = std::chrono::steady_clock::time_point::max(); }  // while a worker is at it
+  void never_give_up() { deadline_ = std::chrono::steady_clock::time_point::max(); }  // while a worker works
   asio::awaitable<Answer> answer(Incoming& incoming);
   asio::awaitable<void> watch_time();
   asio::awaitable<bool> serve_one();
@@ -78,12 +78,12 @@ class Session : public std::enable_shared_from_this<Session> {
   const Place place_;
   const SessionLimits& limits_;
   Workers& workers_;
-  boost::beast::flat_buffer buffer_;  // what was read and not yet understood
+  boost::beast::flat_buffer buffer_;  // read and not yet parsed
   asio::steady_timer time_;
   std::chrono::steady_clock::time_point deadline_;
-  asio::steady_timer wake_;  // while events are waited for
+  asio::steady_timer wake_;  // while waiting for events
   std::shared_ptr<EventQueue> events_;
-  asio::steady_timer look_;       // at the caller, while it waits for its turn and is answered
+  asio::steady_timer look_;       // for checks of the caller, while it waits for its turn and its answer
   std::unique_ptr<Asked> asked_;  // of that request
   bool open_ = true, idle_ = true, draining_ = false, peer_gone_ = false, unread_ = false;
   std::string remote_;

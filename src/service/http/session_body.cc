@@ -13,7 +13,7 @@ constexpr std::size_t buffered_max = 64 << 10, upload_piece = 256 << 10;
 
 }  // namespace
 
-// Why it has none.
+// Takes a place for the request. Returns the reason as an answer when there is none.
 std::optional<Answer> Session::take_place(Incoming& incoming) {
   const Runs runs = incoming.admitted.route->runs;
   if (!in_turn(runs)) return std::nullopt;

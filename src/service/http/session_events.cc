@@ -32,7 +32,7 @@ asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
       continue;
     }
     if (over || peer_gone_ || draining_) break;
-    // Nothing is awaited between take() and here, so no wake-up is lost.
+    // No awaiting between take() and here, so no wake-up is lost.
     give_up_after(limits_.comment + limits_.write);
     wake_.expires_after(limits_.comment);
     ErrorCode woken;
@@ -42,23 +42,24 @@ asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
   co_return error;
 }
 
-// A watcher that goes is noticed at once, not with the next comment.
+// Notices at once when a watcher goes, not only with the next comment.
 void Session::watch_peer() {
   transport_->socket().async_wait(tcp::socket::wait_read, [weak = weak_from_this()](ErrorCode error) {
     const auto self = weak.lock();
     if (error || !self) return;
     char byte = 0;
     const ssize_t seen = ::recv(self->transport_->socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
-    // Another thread may have been told late of the request, which has been read long since.
+    // The event loop may report late that the request came, which was read long ago.
     if (seen < 0 && errno == EAGAIN) return self->watch_peer();
-    // Under TLS it is the farewell; a watcher has nothing else to say.
+    // Under TLS it is the closing message, because watchers send nothing else.
     if (seen > 0 && !self->transport_->is_tls()) return;
     self->peer_gone_ = true;
     self->wake_.cancel();
   });
 }
 
-// Looks now and then: what the caller may send meanwhile is its next request, and stays where it is.
+// Checks from time to time whether the caller is still there. Bytes that have come belong to the next request, and are
+// not read.
 void Session::watch_caller(Runs runs) {
   constexpr std::chrono::milliseconds between{200};
   look_.expires_after(between);

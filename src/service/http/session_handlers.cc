@@ -1,4 +1,4 @@
-// A browser's session: a cookie in exchange for a token, and its end.
+// A browser's session: begins with a cookie in exchange for a token, and ends.
 #include "src/service/http/guard.h"
 #include "src/service/http/handlers.h"
 

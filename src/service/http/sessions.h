@@ -1,4 +1,5 @@
-// What a browser keeps in place of a token: a random number that means nothing elsewhere, ends, and can be ended.
+// Browser sessions: a browser keeps a random number in place of a token. The number is of no use elsewhere, expires,
+// and can be revoked.
 #pragma once
 
 #include <chrono>
@@ -16,25 +17,26 @@
 
 namespace tessera::http {
 
-// Safe from any thread.
+// Thread-safe.
 class Sessions {
  public:
-  using Clock = std::chrono::system_clock;  // a session outlives the process, and its restart
+  using Clock = std::chrono::system_clock;  // a session outlives the process and its restart
   static constexpr std::chrono::seconds lifetime = std::chrono::hours(7 * 24);
   static constexpr std::size_t of_a_token_max = 32;  // one more ends the oldest
 
-  // Kept in `file`, for its owner alone, as checksums: who reads it has neither a session nor a token. Empty: nowhere.
+  // Keeps sessions in `file`, readable only by its owner, as checksums: so a reader of the file gets neither a session
+  // nor a token. Empty: nowhere.
   explicit Sessions(std::filesystem::path file = {}) : file_(std::move(file)) {}
-  // What the process before has left there. Without a file there are none. Error io; usage for a line that is none.
+  // Loads the sessions of the process before. A missing file means no sessions. Errors: io; usage for an invalid line.
   Status load(Clock::time_point now);
 
-  // A new one of the token with this mark (Tokens::mark_of), to be kept by the browser. Error io.
+  // Begins a session for the token with this mark (Tokens::mark_of). Returns the number for the browser. Error io.
   Result<std::string> begin(std::string_view mark, Clock::time_point now);
-  // The mark of its token; nothing once it has ended.
+  // The mark of the session's token; nothing when the session has ended.
   std::optional<std::string> find(std::string_view session, Clock::time_point now) const;
-  // Nothing happens when there is none. Error io: it has ended all the same, until a restart.
+  // Ends a session, if it exists. Error io: the session has ended, but comes back at a restart.
   Status end(std::string_view session);
-  // Those of tokens that are none any more end. Error as of end().
+  // Ends the sessions of tokens whose mark `known` refuses. Error as in end().
   Status end_unless(const std::function<bool(const std::string& mark)>& known);
 
  private:
@@ -47,7 +49,7 @@ class Sessions {
 
   const std::filesystem::path file_;
   mutable std::mutex mutex_;
-  std::map<std::string, Kept, std::less<>> kept_;  // by the checksum of what the browser keeps
+  std::map<std::string, Kept, std::less<>> kept_;  // by the checksum of the browser's number
 };
 
 }  // namespace tessera::http

@@ -114,7 +114,7 @@ std::string encode_segment(std::string_view text) {
 }
 
 std::string relative_reference(std::string_view from, std::string_view to) {
-  // What both have in common up to a slash is left out; what is left of `from` beyond it is climbed.
+  // The common beginning up to a slash is left out; each further part of `from` becomes "..".
   std::size_t common = 0;
   for (std::size_t at = 0; at < from.size() && at < to.size() && from[at] == to[at]; ++at)
     if (from[at] == '/') common = at + 1;
@@ -122,7 +122,7 @@ std::string relative_reference(std::string_view from, std::string_view to) {
   for (std::size_t at = common; at < from.size(); ++at)
     if (from[at] == '/') reference += "../";
   reference += to.substr(common);
-  // An empty first segment, or one with a colon, would be read as something else (RFC 3986, 4.2).
+  // An empty first segment, or one with a colon, would have another meaning (RFC 3986, 4.2).
   const std::size_t colon = reference.find(':');
   if (reference.empty() || colon < reference.find('/')) reference.insert(0, "./");
   return reference;

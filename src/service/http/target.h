@@ -1,4 +1,4 @@
-// What stands in the first line of a request: a path and a query, decoded once, or refused. Only origin-form
+// The target in the first line of a request: a path and a query, decoded once, or refused. Only the origin form
 // ("/a/b?c=d").
 #pragma once
 
@@ -17,19 +17,19 @@ struct Target {
   std::vector<std::string> segments;  // decoded; "/" has none
   std::vector<std::pair<std::string, std::string>> query;
 
-  // Empty when it is not there.
+  // Nothing when there is no such parameter.
   std::optional<std::string_view> parameter(std::string_view name) const;
 };
 
-// Error usage: anything that two programs could read differently: "." and "..", empty segments, encoded slashes,
-// backslashes and percent signs before two digits, control characters, text that is no UTF-8, a parameter given twice.
+// Error usage for anything that two programs could read differently: "." and "..", empty segments, encoded slashes,
+// backslashes, percent signs without two hexadecimal digits, control characters, text that is not UTF-8, a parameter
+// that is given twice.
 Result<Target> parse_target(std::string_view target);
 
-// Letters, digits and -._~ as they are, everything else as %XX.
+// Keeps letters, digits and -._~, and encodes everything else as %XX.
 std::string encode_segment(std::string_view text);
 
-// The reference (RFC 3986, 4.2) that leads from the page at path `from` to the one at path `to`; both begin with a
-// slash.
+// The reference (RFC 3986, 4.2) from the page at path `from` to the page at path `to`; both begin with a slash.
 std::string relative_reference(std::string_view from, std::string_view to);
 
 }  // namespace tessera::http

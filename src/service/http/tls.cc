@@ -19,7 +19,7 @@ Result<std::shared_ptr<ssl::context>> tls_context(const std::filesystem::path& c
   context->set_options(ssl::context::default_workarounds | ssl::context::single_dh_use);
   context->use_certificate_chain_file(certificate.string(), failed);
   if (failed) return error(Errc::usage, certificate.string() + ": is no certificate in PEM: " + failed.message());
-  // A key with a passphrase is refused: OpenSSL would ask for it at the terminal, and wait.
+  // A key with a passphrase is refused, because OpenSSL would ask for the passphrase at the terminal and wait.
   context->set_password_callback([](std::size_t, ssl::context::password_purpose) { return std::string(); });
   context->use_private_key_file(key.string(), ssl::context::pem, failed);
   if (failed)

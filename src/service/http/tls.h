@@ -1,4 +1,4 @@
-// Certificates.
+// TLS certificates.
 #pragma once
 
 #include <boost/asio/ssl/context.hpp>
@@ -9,7 +9,7 @@
 
 namespace tessera::http {
 
-// Of a chain and a key in PEM. Error usage: they cannot be read, or do not fit each other.
+// Loads a certificate chain and a key in PEM. Error usage when they cannot be read or do not belong together.
 Result<std::shared_ptr<boost::asio::ssl::context>> tls_context(const std::filesystem::path& certificate,
                                                                const std::filesystem::path& key);
 

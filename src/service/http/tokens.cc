@@ -26,7 +26,7 @@ constexpr std::size_t token_bytes = 32, token_length_min = 32;
 constexpr std::array<std::pair<Role, std::string_view>, 3> roles{
     {{Role::read, "read"}, {Role::submit, "submit"}, {Role::admin, "admin"}}};
 
-// Not there before, and readable by nobody else from its first moment.
+// Makes a new file, which only its owner can ever read.
 Status make_file(const std::filesystem::path& file) {
   BOOST_OUTCOME_TRY(handle, open_handle(file, O_WRONLY | O_CREAT | O_EXCL, file, S_IRUSR | S_IWUSR));
   const std::string text =
@@ -87,7 +87,7 @@ void Tokens::replace(Tokens others) {
 
 std::optional<Caller> Tokens::find(std::string_view token) const {
   const std::shared_lock lock(held_->mutex);
-  // All are compared, so that the time does not tell which one was close.
+  // All tokens are compared, so that the time does not tell which one was close.
   std::optional<Caller> found;
   for (const Entry& entry : held_->entries)
     if (equal_in_constant_time(entry.token, token)) found = entry.caller;

@@ -1,4 +1,4 @@
-// Who may do what: a file of tokens, one a line, "NAME ROLE TOKEN", that its owner alone can read.
+// Callers and their rights: a file of tokens that only its owner can read, one a line, "NAME ROLE TOKEN".
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,19 @@ namespace tessera::http {
 
 class Tokens {
  public:
-  // Whether a file without a token is one: then nobody gets in.
+  // Whether a file without tokens is allowed; then all requests are refused.
   enum class Empty : bool { refused, allowed };
 
-  // Made with one token of role admin when there is none. Of a file that is ours the rights of others are taken away,
-  // where they are the group's alone: what mounts a volume anew may have given them. Errors: usage for a line that is
-  // no token, for a second token of one name, which owns what its jobs make, and for a file that others can read; io.
+  // Reads the file. If it is missing, makes it with one token of the role admin. If the file is ours and only its group
+  // has rights, they are removed: a new mount of a volume may have added them. Errors: usage for an invalid line, for
+  // two tokens of one name (a name owns what its jobs make), and for a file that others can read; io.
   static Result<Tokens> open(const std::filesystem::path& file, Empty empty = Empty::refused);
 
-  // Those of `others` instead, from now on; called by any thread.
+  // Replaces all tokens. Thread-safe.
   void replace(Tokens others);
 
   std::optional<Caller> find(std::string_view token) const;
-  // Tells this token from all others, and is of no use in its place: what may be kept of it.
+  // Identifies a token, and cannot be used in its place. So the mark may be stored.
   static std::string mark_of(std::string_view token);
   std::optional<Caller> find_mark(std::string_view mark) const;
   // The first token of that role, for the address that is printed; empty when there is none.

@@ -20,13 +20,13 @@ using asio::redirect_error;
 using asio::use_awaitable;
 
 constexpr std::size_t piece_bytes = 1 << 20, copied_bytes = 1 << 17;
-constexpr int pieces_in_a_row = 8;  // then other connections have their turn
+constexpr int pieces_in_a_row = 8;  // then other connections get their turn
 
 ErrorCode system_error(int number) { return {number, boost::system::system_category()}; }
 
-// As asio::transfer_all(), which is asked whenever some of it has been taken.
+// Like asio::transfer_all(), and calls `progress` whenever bytes were taken.
 auto until_all(const std::function<void()>& progress) {
-  constexpr std::size_t piece = 1 << 16;  // as there
+  constexpr std::size_t piece = 1 << 16;  // as in asio::transfer_all()
   return [&progress](const ErrorCode& error, std::size_t) -> std::size_t {
     if (error) return 0;
     progress();
@@ -58,7 +58,7 @@ class Plain final : public Transport {
     co_return error;
   }
 
-  // From the page cache to the socket: the bytes are never copied to here.
+  // Sends from the page cache to the socket, without copying the bytes to this process.
   asio::awaitable<ErrorCode> send_file(int file, std::uint64_t offset, std::uint64_t bytes,
                                        std::function<void()> progress) override {
     ErrorCode error;
@@ -98,7 +98,7 @@ class Tls final : public Transport {
  public:
   Tls(tcp::socket socket, std::shared_ptr<asio::ssl::context> context)
       : context_(std::move(context)), stream_(std::move(socket), *context_) {
-    SSL_set_mode(stream_.native_handle(), SSL_MODE_RELEASE_BUFFERS);  // an idle connection needs none
+    SSL_set_mode(stream_.native_handle(), SSL_MODE_RELEASE_BUFFERS);  // an idle connection needs no buffers
   }
 
   asio::awaitable<ErrorCode> handshake() override {

@@ -1,4 +1,4 @@
-// One connection, plain or under TLS: bytes in, bytes and files out, and the moment at which it is given up.
+// A connection, plain or with TLS: reads bytes, writes bytes and files, and closes.
 #pragma once
 
 #include <utility>  // before awaitable.hpp of Boost 1.74, which forgets it
@@ -21,19 +21,20 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using ErrorCode = boost::system::error_code;
 
-// All of it from the socket's executor alone, which is a strand.
+// Call all functions on the socket's executor, which is a strand.
 class Transport {
  public:
   virtual ~Transport() = default;
   virtual asio::awaitable<ErrorCode> handshake() = 0;
-  // 0 bytes with an error, at the end as well.
+  // Returns 0 bytes with an error, also at the end.
   virtual asio::awaitable<std::size_t> read_some(asio::mutable_buffer buffer, ErrorCode& error) = 0;
-  // `progress` is called whenever the peer has taken some of it, here and below. The three outlive the answer.
+  // `progress` is called whenever the peer has taken some bytes, here and below. The arguments must stay valid until
+  // the operation ends.
   virtual asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body,
                                            const std::function<void()>& progress) = 0;
   virtual asio::awaitable<ErrorCode> send_file(int file, std::uint64_t offset, std::uint64_t bytes,
                                                std::function<void()> progress) = 0;
-  // Says that nothing more will come.
+  // Tells the peer that nothing more will come.
   virtual asio::awaitable<void> shut_down() = 0;
   virtual tcp::socket& socket() = 0;
   virtual bool is_tls() const = 0;

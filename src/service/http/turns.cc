@@ -50,7 +50,7 @@ void Turns::wake() {
   });
 }
 
-// Who has least under way, of those, who has waited longest since the last turn.
+// The caller with the fewest tasks under way; of several, the one whose last turn is longest ago.
 Turns::Lanes::iterator Turns::next() {
   auto found = lanes_.end();
   for (auto lane = lanes_.begin(); lane != lanes_.end(); ++lane) {
@@ -81,7 +81,7 @@ void Turns::work() {
     ++lane->second.running;
     lane->second.last_turn = ++turn_;
     ++running_;
-    wake();  // whoever was told of this work may have been told of more
+    wake();  // the thread that was woken for this work may have been woken for more
     lock.unlock();
     task->run();
     task.reset();
@@ -98,7 +98,7 @@ void Turns::forget_if_idle(Lanes::iterator lane) {
 }
 
 void Turns::stop() {
-  std::vector<std::unique_ptr<Task>> forgotten;  // die after the lock: what they hold may call leave()
+  std::vector<std::unique_ptr<Task>> forgotten;  // destroyed without the lock: destructors may call leave()
   const std::scoped_lock lock(mutex_);
   stopping_ = true;
   for (auto& [caller, lane] : lanes_)

@@ -1,4 +1,5 @@
-// Threads for work that may take long, shared by callers in turn: nobody's work waits for the work of others alone.
+// Threads for work that may take long. Callers share the threads in turn, so that no caller's work waits only because
+// of the work of others.
 #pragma once
 
 #include <condition_variable>
@@ -18,17 +19,18 @@
 namespace tessera::http {
 
 struct TurnLimits {
-  std::uint32_t usual = 2;  // of whom, at once
-  std::uint32_t most = 8;   // beyond it only callers of whom nothing is under way, to so many in all
-  // Of those that have a place: requests that wait or are being answered, and the bytes of their bodies.
+  std::uint32_t usual = 2;  // tasks of any callers at once
+  std::uint32_t most = 8;   // more tasks, up to this number in all, only of callers with no task under way
+  // Limits of requests that wait or are being answered, and of the bytes of their bodies.
   std::uint32_t places = 256, places_of_a_caller = 64;
   std::uint64_t bytes = std::uint64_t{64} << 20, bytes_of_a_caller = std::uint64_t{32} << 20;
 };
 
-// Safe from any thread. Places outlive it.
+// Thread-safe. Places may outlive this object.
 class Turns : public std::enable_shared_from_this<Turns> {
  public:
-  // A request's: taken before its body is read, so that bodies that wait are bounded. Given back when it goes.
+  // The place of a request. It is taken before the body is read, so that waiting bodies are bounded. The destructor
+  // gives it back.
   class Place {
    public:
     Place(Place&&) noexcept = default;
@@ -50,14 +52,14 @@ class Turns : public std::enable_shared_from_this<Turns> {
   // REQUIRES: stop() and join() were called if anything was posted.
   ~Turns();
 
-  // Nothing when there are too many already.
+  // Returns nothing when there are too many requests already.
   std::optional<Place> enter(const std::string& caller, std::uint64_t bytes);
-  // `work()` is called by a thread when it is the caller's turn. After stop() it never is.
+  // A thread calls `work()` when it is the caller's turn. After stop() no work is begun.
   template <class Work>
   void post(const std::string& caller, Work work) {
     add(caller, std::make_unique<TaskOf<Work>>(std::move(work)));
   }
-  // What is not begun is forgotten.
+  // Drops all work that has not begun.
   void stop();
   void join();
 
@@ -72,7 +74,7 @@ class Turns : public std::enable_shared_from_this<Turns> {
     void run() override { work(); }
     Work work;
   };
-  struct Lane {  // a caller's
+  struct Lane {  // of one caller
     std::deque<std::unique_ptr<Task>> waiting;
     std::uint32_t running = 0;
     std::uint64_t last_turn = 0;
@@ -85,9 +87,10 @@ class Turns : public std::enable_shared_from_this<Turns> {
   void add(const std::string& caller, std::unique_ptr<Task> task);
   void leave(const std::string& caller, std::uint64_t bytes);
   void work();
-  // Of whom it is the turn; the end of `lanes_` when nothing may begin. REQUIRES: `mutex_` is held, here and below.
+  // The caller whose turn it is; the end of `lanes_` when nothing may begin. REQUIRES: `mutex_` is held, here and
+  // below.
   Lanes::iterator next();
-  // A thread for what may begin.
+  // Wakes or starts a thread for work that may begin.
   void wake();
   void forget_if_idle(Lanes::iterator lane);
 
@@ -98,7 +101,7 @@ class Turns : public std::enable_shared_from_this<Turns> {
   std::uint32_t running_ = 0, idle_threads_ = 0, places_ = 0;
   std::uint64_t bytes_ = 0, turn_ = 0;
   bool stopping_ = false;
-  std::vector<std::thread> threads_;  // made when they are needed
+  std::vector<std::thread> threads_;  // started when needed
 };
 
 }  // namespace tessera::http

@@ -1,4 +1,4 @@
-// Work that waits, done by threads that serve no connection.
+// Work that waits is done by threads that serve no connection.
 #pragma once
 
 #include <utility>  // before awaitable.hpp of Boost 1.74, which forgets it
@@ -19,7 +19,7 @@
 
 namespace tessera::http {
 
-// Each kind of work has threads of its own, so that none holds up another.
+// Each kind of work has its own threads, so that no kind delays another.
 struct Workers {
   Workers(unsigned disk_threads, const TurnLimits& change_limits, const TurnLimits& question_limits)
       : health(2),
@@ -40,14 +40,14 @@ struct Workers {
   }
 
   boost::asio::thread_pool health;   // supervisors and Prometheus
-  boost::asio::thread_pool disk;     // short: what waits for a disk
-  std::shared_ptr<Turns> changes;    // what reads inputs, makes jobs or removes what is there
+  boost::asio::thread_pool disk;     // short work that waits for a disk
+  std::shared_ptr<Turns> changes;    // work that reads inputs, makes jobs or removes files
   std::shared_ptr<Turns> questions;  // to results
 };
 
-// What `work()` returns, never nothing, once a worker has called it; what it throws is thrown here. `post` gives a
-// worker something to call. `work` is a named local of the coroutine that waits, and so is `post`. Not a coroutine
-// itself: g++ 12 destroys temporaries of such twice.
+// Returns what `work()` returns (never nothing) after a worker has called it; rethrows what it throws. `post` passes a
+// function to a worker. `work` and `post` must be named locals of the coroutine that waits. This function is no
+// coroutine, because g++ 12 destroys temporaries of such coroutines twice.
 template <class Post, class Work>
 boost::asio::awaitable<std::optional<std::invoke_result_t<const Work&>>> on_worker(const Post& post, const Work& work) {
   namespace asio = boost::asio;

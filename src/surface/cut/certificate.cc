@@ -7,8 +7,8 @@ namespace tessera::cut {
 
 namespace {
 
-// Of a cell: what has flown in, less what has flown out, by the capacities of its arcs inside the region. 64 bits hold
-// the sums of four.
+// Returns what has flowed into a cell less what has flowed out, by the capacities of its arcs inside the region. 64
+// bits hold the sum of four arcs.
 std::int64_t gained(const CutGraph& before, const CutGraph& after, std::uint32_t cell) {
   std::int64_t sum = 0;
   for (Arc arc = 4 * cell; arc < 4 * cell + 4; ++arc)

@@ -15,7 +15,7 @@ CellSet SearchTrees::run() {
         grow<Side::sink>();
       }
     }
-    // A cell that the trees had left out would cost truth: the answer is proved, not believed.
+    // The trees may have left out a cell, which would make the answer wrong. So the answer is checked.
     CellSet reached = reached_from_excess(graph_);
     if (!any_deficit(graph_, reached)) return reached;
   }
@@ -34,8 +34,8 @@ void SearchTrees::plant() {
   }
 }
 
-// By one level. Cells of the last level may have been looked at already when an orphan asks for a parent, so that it
-// may stand one level further.
+// Grows a tree by one level. Cells of the last level may have been scanned already when an orphan looks for a parent,
+// so an orphan may stand one level further.
 template <SearchTrees::Side side>
 void SearchTrees::grow() {
   Tree& own = tree<side>();
@@ -95,7 +95,7 @@ void SearchTrees::push_to_root(std::uint32_t cell, std::uint32_t flow) {
   if (graph_.excess[cell] == 0) orphan<side>(cell);
 }
 
-// From a cell of the source's tree to one of the sink's.
+// Pushes flow along an arc from a cell of the source's tree to a cell of the sink's tree.
 void SearchTrees::augment(Arc across) {
   const std::uint32_t from = across >> 2u, to = graph_.back[across] >> 2u;
   const std::int64_t room = room_to_root<Side::sink>(to, room_to_root<Side::source>(from, graph_.capacity[across]));
@@ -117,7 +117,7 @@ void SearchTrees::orphan(std::uint32_t cell) {
   place_[cell].parent = none;
 }
 
-// From the least level on: a parent that is found then has its own way to a root.
+// Adopts orphans from the least level on, so that a parent that is found has its own path to a root.
 template <SearchTrees::Side side>
 void SearchTrees::adopt_all() {
   Tree& own = tree<side>();
@@ -150,7 +150,7 @@ void SearchTrees::adopt(std::uint32_t cell) {
   }
   place_[cell].parent = parent;
   if (least == level - 1 && parent != none) return;
-  // Its children stand too near to the root now, or have lost their way.
+  // Its children are now too near to the root, or have lost their path.
   for (std::uint32_t facet = 0; facet < 4; ++facet) {
     const Arc across = graph_.back[4 * cell + facet];
     if (!is_inner(across)) continue;

@@ -1,9 +1,9 @@
-// Maximum flows within a region, by two search trees that are kept while flow changes.
+// Maximum flows within a region, by two search trees that are kept while the flow changes.
 //
 // Incremental breadth-first search: A. V. Goldberg, S. Hed, H. Kaplan, R. E. Tarjan and R. F. Werneck, Maximum flows by
-// incremental breadth-first search, ESA 2011. Trees grow from all cells with excess and from all with deficit, level by
-// level; where they meet flow is pushed, and cells whose way to a root was saturated are adopted by a cell of the least
-// level, which only rises. Time O(cells^2 arcs) at most, for graphs of cells next to nothing of it.
+// incremental breadth-first search, ESA 2011. Trees grow from all cells with excess and from all cells with deficit,
+// level by level. Where they meet, flow is pushed. Cells whose path to a root was saturated are adopted by a cell of
+// the least level; levels only rise. The time is at most O(cells^2 arcs), and far less for graphs of cells.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,24 @@ namespace tessera::cut {
 
 class SearchTrees {
  public:
-  // `graph` outlives this. Borders are left alone.
+  // `graph` outlives this object. Borders are left alone.
   explicit SearchTrees(CutGraph& graph) : graph_(graph) {}
 
-  // Until no way leads from an excess to a deficit. Returns reached_from_excess().
+  // Moves flow until no path leads from an excess to a deficit. Returns reached_from_excess().
   CellSet run();
   std::size_t bytes() const { return place_.capacity() * sizeof(Place); }
 
  private:
   enum class Side : std::uint8_t { source, sink };
-  // Where a cell's parent is: across a facet, or one of these.
+  // Across which facet a cell's parent is, or one of these.
   static constexpr std::uint8_t root = 4, none = 5;
   struct Tree {
     std::vector<std::uint32_t> frontier;              // of the last level, not looked at yet
-    std::vector<std::uint32_t> next;                  // of the level after it, while the tree grows
+    std::vector<std::uint32_t> next;                  // of the next level, while the tree grows
     std::vector<std::vector<std::uint32_t>> orphans;  // by level
-    std::int32_t level = 1;                           // the last one
-    std::int32_t allowed = 1;                         // that an orphan's parent is below
-    std::size_t first = ~std::size_t{0}, last = 0;    // of the levels of orphans
+    std::int32_t level = 1;                           // the last level
+    std::int32_t allowed = 1;                         // an orphan's parent must have a lower level
+    std::size_t first = ~std::size_t{0}, last = 0;    // range of levels that have orphans
   };
 
   void plant();
@@ -52,13 +52,13 @@ class SearchTrees {
   template <Side side>
   void orphan(std::uint32_t cell);
 
-  // Levels are positive on the source's side, negative on the sink's, 0 for cells of no tree.
+  // Levels are positive on the source's side, negative on the sink's side, and 0 for cells in no tree.
   template <Side side>
   static std::int32_t level_of(std::int32_t level) {
     return side == Side::source ? level : -level;
   }
-  // The residual capacity of the tree's arc between a cell and its parent across a facet: away from the root on the
-  // source's side, to it on the sink's.
+  // Returns the residual capacity of the tree's arc between a cell and its parent across a facet. The arc leads away
+  // from the root on the source's side, and to the root on the sink's side.
   template <Side side>
   std::uint32_t of_tree(Arc to_parent) const {
     return graph_.capacity[side == Side::source ? graph_.back[to_parent] : to_parent];
@@ -69,7 +69,7 @@ class SearchTrees {
   }
 
   CutGraph& graph_;
-  // Of a cell in a tree: asked for together.
+  // What is known of a cell in a tree. Level and parent stand together, because they are read together.
   struct Place {
     std::int32_t level = 0;
     std::uint8_t parent = none;
@@ -78,10 +78,10 @@ class SearchTrees {
   Tree source_, sink_;
 };
 
-// The cells that residual arcs lead to from those with excess: of all minimum cuts' source sets the smallest, if none
-// of them has a deficit (docs/surfaces.md).
+// Returns the cells to which residual arcs lead from cells with excess. If none of them has a deficit, it is the
+// smallest source set of all minimum cuts (docs/surfaces.md).
 CellSet reached_from_excess(const CutGraph& graph);
-// Whether one of them has.
+// Whether one of the cells has a deficit.
 bool any_deficit(const CutGraph& graph, const CellSet& cells);
 
 }  // namespace tessera::cut

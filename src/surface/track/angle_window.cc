@@ -1,9 +1,9 @@
-// The place from which points are seen at their scan angles.
+// Finds the place from which points are seen at their scan angles.
 //
-// A scanner sweeps across the flight: a point lies at nadir + (height of the scanner above it) * tan(angle) * across,
+// A scanner sweeps across the flight. A point lies at nadir + (height of the scanner above it) * tan(angle) * across,
 // where the nadir moves on straight. Least squares of these positions would find too low a scanner: angles are rounded,
-// often to whole degrees, and what is uncertain must not be on the right-hand side. So the height is what makes angles,
-// not positions, agree best; the direction across and the nadir do not suffer.
+// often to whole degrees, and uncertain values must not be regressors. So the fit chooses the height for which angles,
+// not positions, agree best. The direction across and the nadir are not affected.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace tessera {
 
 namespace {
 
-constexpr double spread_min = 1;       // degrees: standard deviation of angles, without what goes with time
+constexpr double spread_min = 1;       // degrees: standard deviation of angles, without their trend in time
 constexpr double explained_min = 0.7;  // of the variance of positions across, by angles
 constexpr double degrees_max = 2;      // the median of a window
 constexpr double degrees_fine = 0.05;  // points that agree better weigh no more
@@ -28,7 +28,7 @@ struct Plane {
 };
 double dot(Plane a, Plane b) { return a.x * b.x + a.y * b.y; }
 
-// Of points with weights: what is left of values when what goes with time is taken away.
+// Removes from values of weighted points their trend in time.
 class ByTime {
  public:
   ByTime(std::span<const double> times, std::span<const double> weights) : times_(times), weights_(weights) {
@@ -39,7 +39,7 @@ class ByTime {
     t_ /= w_;
     for (std::size_t i = 0; i < times.size(); ++i) tt_ += weights[i] * (times[i] - t_) * (times[i] - t_);
   }
-  // Place at the time 0, and speed.
+  // Returns the value at the time 0, and the speed.
   std::pair<double, double> line(std::span<const double> values) const {
     double v = 0, tv = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -67,7 +67,7 @@ class ByTime {
   double w_ = 0, t_ = 0, tt_ = 0;
 };
 
-// Around the window's first point; times from its middle.
+// Positions relative to the window's first point; times relative to its middle.
 struct Observed {
   std::vector<double> x, y, z, time, tangent;
 };
@@ -75,11 +75,12 @@ struct Observed {
 struct Fit {
   double z = 0;  // of the scanner
   Plane nadir, across;
-  std::vector<double> degrees;  // that points are off
+  std::vector<double> degrees;  // how far each point is off
   double spread = 0, explained = 0;
 };
 
-// Points that agree count more, round by round. Nothing when angles tell nothing at all.
+// Fits the scanner's position. Points that agree get more weight, round by round. Returns nothing when angles tell
+// nothing.
 std::optional<Fit> solve(const Observed& of) {
   const std::size_t n = of.x.size();
   std::vector<double> weights(n, 1), across_by_angle(n), rest_x(n), rest_y(n);

@@ -12,10 +12,11 @@ namespace tessera {
 namespace {
 
 constexpr double height_min = 20, height_max = 20'000;
-constexpr double apart_max = 0.1;  // of the height: from the line's straight way, or its median height
-constexpr double kept_min = 0.3;   // of a line's windows
+// of the height: how far a window may be off the line's straight path, or off its median height
+constexpr double apart_max = 0.1;
+constexpr double kept_min = 0.3;  // of a line's windows
 
-// Those on one straight way, by a fit like the above of each coordinate by time.
+// Keeps windows on one straight path, by a robust fit of each coordinate over time.
 void drop_strays(std::vector<Window>& windows) {
   std::vector<double> heights;
   for (const Window& window : windows) heights.push_back(window.height);
@@ -53,7 +54,7 @@ void drop_strays(std::vector<Window>& windows) {
   std::erase_if(windows, [&](const Window&) { return off[i++] > apart_max * height; });
 }
 
-// Of one flight line. `Observed`: see fit_window().
+// Estimates one flight line. `Observed`: see fit_window().
 template <class Observed>
 TrackLine estimate_line(std::span<const Observed> observed, TrackLine told, Track& track) {
   std::vector<Window> windows;
@@ -91,7 +92,7 @@ TrackLine estimate_line(std::span<const Observed> observed, TrackLine told, Trac
   return told;
 }
 
-// Of the front of `observed`, which is taken away: those of a line.
+// Returns the observations of a line at the front of `observed`, and removes them from it.
 template <class Observed>
 std::span<const Observed> take_line(std::span<const Observed>& observed, std::uint32_t line) {
   std::size_t end = 0;

@@ -1,9 +1,9 @@
-// Where a scanner was: where the lines of those pulses come together of which it has heard several returns; else where
-// the scan angles of its points say.
+// Estimates where a scanner was: where the lines of pulses with several returns meet, or else from the scan angles of
+// its points.
 //
 // Pulses after M. Roussel's track_sensor in lidR (2020) and D. Gatziolis and R. J. McGaughey, Reconstructing aircraft
-// trajectories from multi-return airborne laser-scanning data, Remote Sensing 2019; robust, and with reasons to refuse.
-// docs/track.md has the constants and their reasons.
+// trajectories from multi-return airborne laser-scanning data, Remote Sensing 2019; here the fit is robust, and gives
+// reasons when it refuses. docs/track.md has the constants and their reasons.
 #pragma once
 
 #include <cstddef>
@@ -24,11 +24,12 @@ struct TrackLine {
   enum class From : std::uint8_t { pulses, angles };
   From from = From::pulses;
   std::size_t observations = 0;       // pulses that are long enough, or points with scan angles
-  std::size_t windows = 0, kept = 0;  // of half a second with enough of them; of these, that agree
-  double median_degrees = 0;          // between their directions and that to where the scanner is said to be, in these
-  double most_degrees = 0;            // likewise: 99 % of them are off by less
-  double height = 0;                  // above the points, the median
-  std::string refused;                // why the line has no track; empty: it has
+  std::size_t windows = 0, kept = 0;  // windows of half a second with enough observations; windows of these that agree
+  // median angle between observed directions and the direction to the estimated scanner, in the kept windows
+  double median_degrees = 0;
+  double most_degrees = 0;  // likewise: 99 % of the observations are off by less
+  double height = 0;        // of the scanner above the points, the median
+  std::string refused;      // why the line has no track; empty: it has one
 };
 
 struct EstimatedTrack {
@@ -36,7 +37,8 @@ struct EstimatedTrack {
   std::vector<TrackLine> lines;
 };
 
-// A function of these sets alone. `pulses`, `angles`: by line and time. Of a line whose pulses tell nothing, angles do.
+// Estimates the track; the result depends on these two sets alone. `pulses`, `angles`: ordered by line and time. Angles
+// serve lines whose pulses tell nothing.
 EstimatedTrack estimate_track(std::span<const Pulse> pulses, std::span<const AngledPoint> angles);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// The place to which the lines of pulses come nearest.
+// Finds the place to which the lines of pulses come nearest.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,13 +22,13 @@ Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z 
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 double norm(const Point& a) { return std::sqrt(dot(a, a)); }
 
-// Of a pulse, around the window's first one.
+// The line of a pulse, relative to the window's first pulse.
 struct Line {
-  Point from, way;  // the first return; up, of length 1
+  Point from, way;  // the first return; upwards, of length 1
   double length = 0;
 };
 
-// Weighted squares of distances to lines, as a quadratic form.
+// A weighted sum of squared distances to lines, as a quadratic form.
 struct Squares {
   std::array<std::array<double, 3>, 3> m{};
   std::array<double, 3> b{};
@@ -45,7 +45,8 @@ struct Squares {
     }
   }
 
-  // Where they are least; and the inverse's entry for z, to which the height's variance is in proportion.
+  // Returns where the sum is least, and the entry for z of the inverse matrix, to which the variance of the height is
+  // proportional.
   std::optional<std::pair<Point, double>> least() const {
     const auto cofactor = [&](std::size_t i, std::size_t j) {
       const std::size_t a = (i + 1) % 3, c = (i + 2) % 3, d = (j + 1) % 3, e = (j + 2) % 3;
@@ -70,7 +71,7 @@ double degrees_between(const Line& line, const Point& at) {
   return std::atan2(norm(off), dot(to, line.way)) / degree;
 }
 
-// Where two lines come nearest to each other; nothing when they are all but parallel.
+// Returns where two lines come nearest to each other; nothing when they are almost parallel.
 std::optional<Point> between(const Line& a, const Line& b) {
   const double c = dot(a.way, b.way), apart = 1 - c * c;
   if (apart < 1e-4) return std::nullopt;
@@ -82,8 +83,8 @@ std::optional<Point> between(const Line& a, const Line& b) {
                (a.from.z + s * a.way.z + b.from.z + t * b.way.z) / 2};
 }
 
-// Of the places where some pairs of pulses meet, the one with which most of the others agree: wrong pulses, which pull
-// sums of any kind to the ground, only do not agree.
+// Pairs of pulses meet at places; returns the place with which most pulses agree. Wrong pulses pull a mean towards the
+// ground, but here they only do not agree.
 std::optional<Point> start(const std::vector<Line>& lines) {
   std::optional<Point> best;
   std::size_t most = 0;
@@ -101,7 +102,7 @@ std::optional<Point> start(const std::vector<Line>& lines) {
   return best;
 }
 
-// Least squares of the pulses that agree, from that start on.
+// Least squares of the pulses that agree, beginning at that place.
 std::optional<Window> solve(const std::vector<Line>& lines, double time) {
   const auto begin = start(lines);
   if (!begin) return std::nullopt;

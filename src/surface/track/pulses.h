@@ -1,4 +1,4 @@
-// Pulses of which more than one return is known: each is a line on which its scanner was.
+// Pulses of which more than one return is known: the scanner was on the line through the returns.
 #pragma once
 
 #include <cstddef>
@@ -20,19 +20,19 @@ struct Pulse {
   Point first, last;  // returns
 };
 
-// Takes points one by one and finds the pulses: in any order, with the same outcome. Of more than `returns_max` returns
-// it keeps those of some pulses, chosen by their times.
+// Takes points one by one and finds the pulses. The order of the points does not change the result. Of more than
+// `returns_max` returns it keeps those of some pulses, chosen by their times. Not thread-safe.
 class Pulses {
  public:
   static constexpr std::size_t returns_max = 4'000'000;
 
   explicit Pulses(const std::vector<Attribute>& schema, std::size_t most = returns_max);
-  // The first attribute that is needed and missing; empty: none.
+  // Returns the first attribute that is needed and missing; empty: none is missing.
   const std::string& missing() const { return missing_; }
-  // `row`: of the schema. REQUIRES: nothing is missing.
+  // `row`: attributes by the schema. REQUIRES: nothing is missing.
   void add(const Point& at, const std::byte* row);
   void add(const Pulses& others);
-  // By flight line and time. Of pulses of which anything is ambiguous there is none.
+  // Returns the pulses by flight line and time. Ambiguous pulses are left out.
   std::vector<Pulse> take();
 
  private:

@@ -1,4 +1,4 @@
-// Of too many things with a flight line and a time, those of some times, in whatever order they come.
+// Keeps a sample of things with a flight line and a time: all things of some times, in whatever order they come.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +12,13 @@
 
 namespace tessera {
 
-// `Timed`: has `line` and `time`. Keeps all of one line and time, or none of them.
+// `Timed`: has `line` and `time`. Of one line and time, keeps all things or none.
 template <class Timed>
 class Sampled {
  public:
   explicit Sampled(std::size_t most) : most_(most) {}
 
-  // The limit is the first half of a half of all hashes with which not too many are kept.
+  // The limit is the largest 2^64 / 2^k with which at most `most` things are kept.
   void add(const Timed& one) {
     if (hash_of(one) > limit_) return;
     kept_.push_back(one);
@@ -26,11 +26,11 @@ class Sampled {
   }
   void add(const Sampled& others) {
     for (const Timed& one : others.kept_) add(one);
-    // What the others have not kept must not be here either.
+    // What the others have dropped must not stay here either.
     if (others.limit_ < limit_) lower(others.limit_);
   }
 
-  // Sorted by `key`, each once; nothing is left.
+  // Returns what was kept, sorted by `key`, each key once; nothing is left.
   template <class Key>
   std::vector<Timed> take(const Key& key) {
     std::sort(kept_.begin(), kept_.end(), [&](const Timed& a, const Timed& b) { return key(a) < key(b); });
@@ -51,7 +51,7 @@ class Sampled {
   }
 
   std::size_t most_;
-  std::uint64_t limit_ = ~std::uint64_t{0};  // of the hashes of what is kept
+  std::uint64_t limit_ = ~std::uint64_t{0};  // largest hash that is kept
   std::vector<Timed> kept_;
 };
 

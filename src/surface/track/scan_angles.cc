@@ -7,7 +7,7 @@
 namespace tessera {
 
 namespace {
-constexpr double degrees_max = 80;  // the tangent of more says nothing
+constexpr double degrees_max = 80;  // beyond it the tangent says nothing
 }
 
 ScanAngles::ScanAngles(const std::vector<Attribute>& schema, std::size_t most) : points_(most) {

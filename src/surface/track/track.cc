@@ -30,11 +30,11 @@ std::vector<std::string_view> cells_of(std::string_view row) {
   return cells;
 }
 
-// The rows of a file, with what is wrong in one of them.
+// The rows of a file. bad() makes an error about the current row.
 class Rows {
  public:
   Rows(std::filesystem::path file, std::string_view text) : file_(std::move(file)), text_(text) {}
-  // Nothing at the end. Blank rows are passed over.
+  // Returns the next row that is not blank; nothing at the end.
   std::optional<std::string_view> next() {
     while (at_ < text_.size()) {
       const std::size_t end = std::min(text_.find('\n', at_), text_.size());
@@ -55,7 +55,7 @@ class Rows {
   std::size_t at_ = 0, number_ = 0;
 };
 
-// Which column has which name; none for a line that the header does not name.
+// Returns which column has which name. Only the column `line` may be missing.
 Result<std::array<std::optional<std::size_t>, names.size()>> columns_of(const Rows& rows, std::string_view header) {
   std::array<std::optional<std::size_t>, names.size()> columns;
   const auto cells = cells_of(header);
@@ -139,7 +139,7 @@ std::optional<Point> Track::at(std::uint32_t line, double time) const {
   };
   const bool first = after == places.begin(), last = after == places.end();
   if (!first && !last && after->time - (after - 1)->time <= gap_max) return mixed(*(after - 1), *after);
-  // At an end, or at the edge of a gap: on, the way it was going.
+  // At an end, or at the edge of a gap: the path continues in its direction.
   if (!last && after->time - time <= beyond) {
     const bool way = after + 1 != places.end() && (after + 1)->time - after->time <= gap_max;
     return way ? mixed(*after, *(after + 1)) : after->at;

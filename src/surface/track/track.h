@@ -1,4 +1,4 @@
-// Where a scanner was, by the time of its pulses (GPS time), on each of its flight lines.
+// Where a scanner was at each time (GPS time of its pulses), on each of its flight lines.
 #pragma once
 
 #include <cstdint>
@@ -21,19 +21,20 @@ class Track {
     Point at;
   };
 
-  // A CSV file: a header with time, x, y, z and perhaps line, in any order; further columns are not looked at. Times
-  // ascend within a line. Errors: bad_input, which names file, line and reason; io.
+  // Reads a CSV file. Its header names time, x, y, z and perhaps line, in any order; further columns are ignored. Times
+  // must ascend within a line. Errors: bad_input, which names file, line and reason; io.
   static Result<Track> read(const std::filesystem::path& file);
-  // The same from text; `name`: for errors.
+  // The same from text. `name`: for errors.
   static Result<Track> parse(std::string_view text, const std::filesystem::path& name);
-  // The same, the digits that read back as the same numbers.
+  // Writes the same format, with enough digits to read the same numbers back.
   std::string to_csv() const;
 
-  // REQUIRES: finite, times ascend, and the line has none yet.
+  // Adds a flight line. REQUIRES: values are finite, times ascend, and the line has no places yet.
   void add(std::uint32_t line, std::vector<Place> places);
 
-  // Between places that are at most `gap_max` apart on a straight way, and as far on as `beyond` before the first and
-  // behind the last. Nothing elsewhere. Where lines are not told apart, `line` does not count.
+  // Returns the scanner's position at a time. Between places that are at most `gap_max` apart the path is straight; it
+  // continues for `beyond` before the first place and behind the last. Nothing elsewhere. Where the track does not tell
+  // lines apart, `line` is ignored.
   std::optional<Point> at(std::uint32_t line, double time) const;
   static constexpr double gap_max = 10, beyond = 1;  // seconds
 

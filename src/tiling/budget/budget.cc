@@ -7,12 +7,13 @@ namespace {
 
 constexpr std::uint64_t mib = std::uint64_t{1} << 20;
 
-// What is left of a small budget is little, but never nothing: tiles are refused elsewhere (tile_limit, tile_fits).
+// Returns what is left beside `taken`. Of a small budget that is little, but never nothing: too large tiles are refused
+// elsewhere (tile_limit, tile_fits).
 std::uint64_t beside(std::uint64_t memory_bytes, std::uint64_t taken) {
   return std::max(memory_bytes - std::min(memory_bytes, taken), memory_bytes / 8);
 }
 
-// A reader: what it has unpacked ahead (a LAZ chunk is 50,000 points), and batches on their way.
+// What a reader holds: points that it has unpacked ahead (a LAZ chunk has 50,000 points), and batches on their way.
 constexpr std::uint64_t reading_thread_bytes = 4 * mib;
 
 // While points are routed there are no tiles, no messages and no result files.
@@ -45,7 +46,8 @@ Needs needs(int dimension, KernelKind kernel, TileKind kind) {
   return {.triangulate = 165, .whole = 120, .image = 40, .collect = 205, .collect_whole = 75, .mesh = 145};
 }
 
-// Not what one costs on average: the scratch of a large conflict zone stays with the tile, so few may cost much.
+// This is not the average. The scratch memory of a large conflict zone stays with the tile, so a few points may cost
+// much.
 std::uint64_t foreign_point_bytes(int dimension, KernelKind) { return dimension == 3 ? 1000 : 450; }
 
 std::uint64_t region_bytes(int dimension, std::uint64_t points, std::uint64_t row_bytes) {
@@ -57,19 +59,19 @@ std::uint64_t sleep_percent(KernelKind kernel) { return kernel == KernelKind::cg
 std::uint64_t wake_percent(KernelKind kernel) { return kernel == KernelKind::cgal ? 105 : 200; }
 
 std::uint64_t fixed_bytes(std::uint32_t threads) {
-  // Of a thread: a block for writing, a stack, what the allocator keeps for it.
+  // For each thread: a block for writing, a stack, and what the allocator keeps for it.
   return 25 * mib + threads * (3 * mib / 2);
 }
 
 std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::uint64_t tiles) {
-  // An eighth for tiles that are falling asleep or waking up, and for holes between small arrays.
+  // An eighth is for tiles that are falling asleep or waking up, and for holes between small arrays.
   return beside(memory_bytes, fixed_bytes(threads) + tiles * tile_bytes) / 8 * 7;
 }
 
 std::uint64_t gate_bytes(std::uint64_t memory_bytes) { return memory_bytes / 8; }
 
 std::uint64_t mail_bytes_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
-  // A sixteenth of the memory, in pieces that are worth a write but not beyond what one write gains from.
+  // A sixteenth of the memory, in pieces that are worth a write, but not larger than one write profits from.
   constexpr std::uint64_t least = 320, most = 640 << 10;
   return std::clamp(memory_bytes / 16 / std::max<std::uint64_t>(1, tiles), least, most);
 }
@@ -88,7 +90,7 @@ bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, Kerne
 }
 
 std::uint64_t route_buffer_bytes(std::uint64_t memory_bytes) {
-  // More buys nothing: writes are long enough, and fresh memory costs its first touch.
+  // More is no gain: writes are long enough, and fresh memory costs time at its first touch.
   return std::min(for_routing(memory_bytes) / 2, 128 * mib);
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t mib = std::uint64_t{1} << 20;
 constexpr std::uint64_t smallest_tile = 10'000;
-// Above this a tile gains nothing: its stars at the border are under 3 % of it already.
+// A larger tile gains nothing: less than 3 % of its stars are at its border.
 constexpr std::uint64_t largest_tile(int dimension) { return dimension == 3 ? 1'000'000 : 2'000'000; }
 // Below this, halving tiles to keep threads busy costs more in stars at borders than it gains.
 constexpr std::uint64_t worthwhile_tile = 200'000;
@@ -21,22 +21,24 @@ std::string threads_text(std::uint32_t threads) {
   return std::to_string(threads) + (threads == 1 ? " thread" : " threads");
 }
 
-// A point of a tile while it is triangulated, or while it is collected: its mesh is stored when another one is made.
+// Bytes per point of a tile while it is triangulated, or while it is collected: its mesh is stored while another one is
+// made.
 std::uint64_t largest_need(int dimension, KernelKind kernel) {
   const Needs need = needs(dimension, kernel);
   return std::max(need.triangulate, need.image + need.collect);
 }
 
-// As for_tiles(), but nothing when there is nothing left.
+// As for_tiles(), but 0 when nothing is left.
 std::uint64_t left_for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::uint64_t tiles) {
   const std::uint64_t taken = fixed_bytes(threads) + tiles * tile_bytes;
   return memory_bytes > taken ? std::min((memory_bytes - taken) / 8 * 7, for_tiles(memory_bytes, threads, tiles)) : 0;
 }
 
-// Points a tile may have so that every thread works on one and there is a quarter of the room for others that are
-// awake: larger tiles have fewer stars at borders, and with more of them awake few less are put to sleep. 0 when there
-// are too many tiles for that, however large they are. The larger, the fewer: what fits those that would fit if they
-// were none is a bound, and so is what fits those that come of a bound.
+// Returns how many points a tile may have so that every thread works on a tile, and a quarter of the memory is free for
+// other tiles that are awake. A quarter is enough: larger tiles have fewer stars at borders, and more memory for awake
+// tiles would spare only few sleeps. Returns 0 when there are too many tiles, however large they are. The larger the
+// tiles, the fewer there are. So the size that fits beside 0 tiles is an upper bound, and the size that fits beside the
+// tiles of an upper bound is one, too.
 std::uint64_t fitting(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
                       std::uint64_t memory_bytes) {
   const auto fits = [&](std::uint64_t tiles) {
@@ -52,7 +54,7 @@ std::uint64_t fitting(int dimension, KernelKind kernel, std::uint64_t points, st
   return bound;
 }
 
-// The least whole MiB with which it holds; it holds with more than that, too.
+// Returns the least number of whole MiB for which `holds` is true. REQUIRES: it is true for all larger numbers, too.
 template <class Holds>
 std::uint64_t least_memory(Holds holds) {
   std::uint64_t below = 0, above = mib;
@@ -71,7 +73,7 @@ std::uint64_t least_memory(Holds holds) {
 
 Result<std::uint64_t> tile_limit(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
                                  std::uint64_t memory_bytes) {
-  // A cloud smaller than the smallest tile is one tile, and needs no more than it.
+  // A cloud smaller than the smallest tile is one tile, and needs no more memory than that.
   const auto needed = std::clamp<std::uint64_t>(points, 100, smallest_tile);
   const auto enough = [&](std::uint64_t bytes) { return fitting(dimension, kernel, points, threads, bytes) >= needed; };
   if (!enough(memory_bytes)) {
@@ -114,7 +116,7 @@ Status tile_fits_a_node(int dimension, KernelKind kernel, std::uint64_t points, 
 
 Status tile_fits(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tiles, std::uint32_t threads,
                  std::uint64_t memory_bytes) {
-  // One at a time may be worked on while all others sleep: the threads wait for it.
+  // One tile at a time may be worked on while all others sleep: the threads wait for it.
   const std::uint64_t bytes = tile_working_bytes(dimension, kernel, points);
   const auto enough = [&](std::uint64_t memory) {
     return bytes <= left_for_tiles(memory, threads, tiles) && fitting(dimension, kernel, 100, threads, memory) >= 100;

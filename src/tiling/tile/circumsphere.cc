@@ -1,14 +1,14 @@
-// Error bounds. e = 2^-53; every operation is (1 + at most e) times exact unless it underflows, then off by at most
-// 2^-1074. With u = b - a, v = c - a, w = d - a (each component one rounding):
+// Error bounds. e = 2^-53. Every operation gives the exact result times (1 + at most e), unless it underflows; then it
+// is off by at most 2^-1074. With u = b - a, v = c - a, w = d - a (each component is rounded once):
 //   D  = u . (v x w)                                    o = N / 2D, the centre seen from a
 //   N  = |u|^2 (v x w) + |v|^2 (w x u) + |w|^2 (u x v)
-// A component of a cross product is the difference of two products of once-rounded numbers: it errs by at most
-// 2e (operands) + e (product) + e (difference) = 4e, plus O(e^2), times the sum of the products' absolute values. D has
-// three such terms, each with one more operand (e), a product (e) and two sums (2e): 8e times P_D, the same expression
-// with all signs positive. |u|^2 errs relatively by 2e (operands) + e + 2e = 5e; so a component of N errs by 5e + 4e +
-// e + 2e = 12e times P_N. We take 16e for both, which also covers O(e^2) and the rounding of P itself.
-// Differences are kept below 1e50, so a product that underflows (2^-1074 each) ends as less than 1e-220 in D or N; that
-// is added to the bounds. D must exceed twice its bound, then
+// A component of a cross product is the difference of two products of once-rounded numbers. It errs by at most 2e
+// (operands) + e (product) + e (difference) = 4e, plus O(e^2), times the sum of the products' absolute values. D has
+// three such terms, each with one more operand (e), a product (e) and two sums (2e): 8e times P_D, which is the same
+// expression with all signs positive. |u|^2 errs relatively by 2e (operands) + e + 2e = 5e. So a component of N errs by
+// 5e + 4e + e + 2e = 12e times P_N. The code uses 16e for both, which also covers O(e^2) and the rounding of P itself.
+// Differences are kept below 1e50, so a product that underflows (2^-1074 each) changes D or N by less than 1e-220. That
+// is added to the bounds. D must exceed twice its bound; then
 //   |o - o'| <= (E_N + 2 |o'| E_D) / (2 (|D| - E_D)) + e |o'|.
 #include "src/tiling/tile/circumsphere.h"
 
@@ -28,7 +28,8 @@ struct Offset {
   double value, error;
 };
 
-// `d` = D, `d_error` its bound; `n`, `n_error` a component of N. Rounded up by the factor at the end.
+// Returns one component of o. `d` is D and `d_error` its bound; `n` and `n_error` are a component of N. The factor at
+// the end rounds up.
 Offset quotient(double n, double n_error, double d, double d_error) {
   const double o = n / (2 * d);
   const double size = std::abs(o);
@@ -63,8 +64,8 @@ Ball circumsphere(const Point& a, const Point& b, const Point& c, const Point& d
   const Offset x = quotient(nx, ex, det, det_error), y = quotient(ny, ey, det, det_error),
                z = quotient(nz, ez, det, det_error);
 
-  // The true centre is within e = ex + ey + ez of a + o, the true radius within e of |o|: the sphere is within
-  // |o| + 2e of a + o. The last terms cover the roundings of |o|, of the sums below and of a + o.
+  // The true centre is within e = ex + ey + ez of a + o, and the true radius is within e of |o|. So the sphere is
+  // within |o| + 2e of a + o. The last terms cover the roundings of |o|, of the sums below and of a + o.
   const double error = x.error + y.error + z.error;
   const double radius = std::sqrt(x.value * x.value + y.value * y.value + z.value * z.value);
   const double reach =
@@ -72,8 +73,8 @@ Ball circumsphere(const Point& a, const Point& b, const Point& c, const Point& d
   return {std::isfinite(reach), {a.x + x.value, a.y + y.value, a.z + z.value}, reach};
 }
 
-// The same in the plane: D = u x v, N = (|u|^2 v_y - |v|^2 u_y, |v|^2 u_x - |u|^2 v_x); fewer operations, so the bounds
-// above hold.
+// The same in the plane: D = u x v, N = (|u|^2 v_y - |v|^2 u_y, |v|^2 u_x - |u|^2 v_x). There are fewer operations, so
+// the bounds above hold.
 Ball circumcircle(const Point& a, const Point& b, const Point& c) {
   const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;
   const double uu = ux * ux + uy * uy, vv = vx * vx + vy * vy;
@@ -90,7 +91,8 @@ Ball circumcircle(const Point& a, const Point& b, const Point& c) {
   return {std::isfinite(reach), {a.x + x.value, a.y + y.value, 0}, reach};
 }
 
-// One more rounding for center -+ reach and one for the comparison with a coordinate of the box: covered by widening.
+// There is one more rounding for center -+ reach, and one for the comparison with a coordinate of the box. Both are
+// covered by widening.
 bool surely_inside(const Ball& ball, const Box& box, int dimension) {
   if (!ball.known) return false;
   for (int i = 0; i < dimension; ++i) {

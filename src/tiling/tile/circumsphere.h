@@ -1,5 +1,5 @@
-// Filters on circumspheres: computed in floating point with a rigorous error bound, so that rounding can cost time,
-// never truth.
+// Filters on circumspheres, computed in floating point with a rigorous error bound, so that rounding can cost time but
+// never correctness.
 #pragma once
 
 #include <array>
@@ -8,19 +8,19 @@
 
 namespace tessera {
 
-// A ball that contains the true circumsphere, or nothing is known of it (then it counts as all of space).
+// A ball that contains the true circumsphere. If it is not known, the sphere counts as all of space.
 struct Ball {
   bool known = false;
   Point center;
-  double reach = 0;  // the true sphere lies within this distance of `center`, on every axis and in all
+  double reach = 0;  // every point of the true sphere is within this distance of `center`
 };
 
-// Of a tetrahedron. Error bound in circumsphere.cc.
+// Returns the ball of a tetrahedron. The error bound is derived in circumsphere.cc.
 Ball circumsphere(const Point& a, const Point& b, const Point& c, const Point& d);
-// Of a triangle in the xy plane (z is 0).
+// Returns the ball of a triangle in the xy plane (z is 0).
 Ball circumcircle(const Point& a, const Point& b, const Point& c);
 
-// True only if the circumsphere lies strictly inside the box (in 2D pass a box unbounded in z).
+// Returns true only if the circumsphere lies strictly inside the box (in 2D z is ignored).
 bool surely_inside(const Ball& ball, const Box& box, int dimension);
 
 }  // namespace tessera

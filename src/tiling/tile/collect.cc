@@ -32,14 +32,14 @@ class Collector {
 
  private:
   static constexpr int corners = d + 1;
-  // What rows say that is no neighbour.
+  // Neighbours in rows that are no cells: outside the hull, or in another tile.
   static constexpr std::uint32_t across_outside = ~0u - 3, across_elsewhere = ~0u - 7;
-  // What least_ says of cells that are not kept.
+  // Values of least_ for cells that are not kept.
   static constexpr std::uint32_t gap = ~0u, other = ~0u - 1, fill = ~0u - 2;
 
   bool kept(std::size_t c) const { return (least_[c] & ~mixed_row) < own_; }
 
-  // The mesh indices of cell c.
+  // Returns the mesh indices of cell c.
   std::array<std::uint32_t, corners> indices(std::size_t c) const {
     std::array<std::uint32_t, corners> v;
     for (int i = 0; i < corners; ++i) {
@@ -59,7 +59,8 @@ class Collector {
     return key;
   }
 
-  // Cells with a vertex of the tile's own are kept; foreign vertices are used if they are in one.
+  // Decides which cells are kept: those with a vertex of the tile's own. Foreign vertices are used if they are in a
+  // kept cell.
   void classify() {
     const std::size_t count = in_.cells.size();
     least_.resize(count);
@@ -100,7 +101,7 @@ class Collector {
     return {low, high};
   }
 
-  // Own points by rank, then the used foreign ones by id.
+  // Numbers the vertices: own points by rank, then the used foreign vertices by id.
   void number_vertices() {
     std::vector<std::uint32_t> order;
     for (std::uint32_t k = 0; k < index_.size(); ++k) {
@@ -126,7 +127,8 @@ class Collector {
     mesh_.point_ghost.resize(n, 1);
   }
 
-  // Kept cells know their kept neighbours already. The others, few, tell those of their neighbours that are kept.
+  // Kept cells know their kept neighbours already. The other cells, which are few, tell their kept neighbours what lies
+  // across.
   void link_to_others() {
     for (const std::uint32_t c : others_) {
       const std::uint32_t* v = in_.cells[c].vertices;
@@ -136,7 +138,7 @@ class Collector {
         if (across & across_frozen) continue;
         const std::uint32_t n = across / 4, k = across % 4;
         if (infinite && v[i] == infinite_vertex && least_[n] == fill) {
-          // A final cell borders the outside: its facet is one of an infinite cell.
+          // A final cell is at the hull: its facet is a facet of an infinite cell.
           borders_[facet_key(indices_but(c, i), i)] = across_outside;
         }
         if (!kept(n)) continue;
@@ -151,7 +153,7 @@ class Collector {
     others_ = {};
   }
 
-  // indices(c) for a cell whose vertex `but` may be infinite.
+  // The same as indices(c) for a cell whose vertex `but` may be infinite.
   std::array<std::uint32_t, corners> indices_but(std::size_t c, int but) const {
     std::array<std::uint32_t, corners> v{};
     for (int i = 0; i < corners; ++i) {
@@ -161,7 +163,8 @@ class Collector {
     return v;
   }
 
-  // What lies across a facet of foreign vertices alone is known to their tiles, not here. REQUIRES: c is kept.
+  // Whether a facet has a vertex of the tile's own. What lies across other facets is known to the tiles of their
+  // vertices, not here. REQUIRES: c is kept.
   bool facet_has_own_vertex(std::uint32_t c, int opposite) const {
     for (int i = 0; i < corners; ++i) {
       if (i != opposite && in_.cells[c].vertices[i] <= own_) return true;
@@ -169,8 +172,8 @@ class Collector {
     return false;
   }
 
-  // Final cells know each other. What else they border is known to a kernel that froze them; where the kernel was built
-  // again, their common facets are in borders_.
+  // Appends the final cells, which know each other. A kernel that froze them knows what else they border. If the kernel
+  // was built again, borders_ has the common facets.
   void append_final_cells() {
     PendingFinals finals = std::exchange(in_.finals, {});
     tile_.early = finals.early;
@@ -217,13 +220,14 @@ class Collector {
     place_final_cells(finals, shift);
   }
 
-  // A row that is none stands for a cell that was written: places tell which it is.
+  // Returns a neighbour number for a cell that was written early: a row beyond the last one. `places` tells which cell
+  // it is.
   std::uint32_t across_written(std::uint32_t place, std::size_t rows) {
     written_.push_back(static_cast<std::int32_t>(place));
     return static_cast<std::uint32_t>(4 * (rows + written_.size() - 1));
   }
 
-  // Those whose place was told stand there, before all that are to be sorted.
+  // Final cells with a known place go there, before all cells that are to be sorted.
   void place_final_cells(const PendingFinals& finals, std::uint32_t shift) {
     const std::size_t count = finals.cells.rows.size();
     if (finals.place.empty()) {
@@ -236,7 +240,7 @@ class Collector {
     for (std::uint32_t c = 0; c < count; ++c) tile_.order[finals.place[c] - finals.early] = shift + c;
   }
 
-  // The other kept cells by their least vertex.
+  // Puts the other kept cells into buckets by their least vertex.
   void bucket_cells() {
     std::partial_sum(end_.begin(), end_.end(), end_.begin());
     tile_.order.resize(placed_ + end_.back());
@@ -281,8 +285,8 @@ class Collector {
   tsl::robin_map<CellKey, std::uint32_t, CellKeyHash> borders_;  // facet -> the kept cell across it, or across_outside
   BigVector<std::uint32_t> end_;                                 // by own vertex: see CellsToSort
   BigVector<std::uint32_t> least_;     // by cell: its least vertex | mixed_row, or why it is not kept
-  std::size_t placed_ = 0;             // cells at the beginning of the order that are not sorted any more
-  std::vector<std::int32_t> written_;  // cells that were written, as neighbours of those
+  std::size_t placed_ = 0;             // cells at the beginning of the order that need no sorting
+  std::vector<std::int32_t> written_;  // places of early cells that are neighbours of kept cells
 };
 
 }  // namespace

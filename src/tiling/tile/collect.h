@@ -1,4 +1,4 @@
-// From a kernel's cells to the canonical arrays of a tile file.
+// Turns a kernel's cells into the canonical arrays of a tile file.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,17 @@ namespace tessera {
 struct CollectInput {
   int dimension;
   TileId self;
-  std::vector<Point> points;         // the tile's own, by rank: n
+  std::vector<Point> points;         // the tile's own, by rank; n points
   std::vector<PointId> ids;          // by rank
-  CellRows cells;                    // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
-  std::vector<std::uint8_t> fill;    // by row: 1 for fill of a reduced tile; or empty
+  CellRows cells;                    // vertices: 0 infinite, 1..n own (rank + 1), n + 1 + k foreign vertex k
+  std::vector<std::uint8_t> fill;    // by row: 1 for a fill cell of a reduced tile; or empty
   std::vector<SharedPoint> foreign;  // by k
-  PendingFinals finals;              // handed out earlier: they border the fill
-  std::stop_token stop = {};         // Stopped is thrown soon after it is requested
+  PendingFinals finals;              // final cells that were taken out earlier: they border the fill
+  std::stop_token stop = {};         // collect_cells() throws Stopped soon after it is requested
 };
 
-// Works in the input's arrays, and frees them as soon as it can: this is where a tile needs most memory, and fresh
-// pages cost more than the work.
+// Makes the tile's mesh. Works in the arrays of the input, and frees them as soon as it can: a tile needs most memory
+// here, and fresh pages cost more time than the work.
 CollectedTile collect_cells(CollectInput input);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// A tile's mesh whose cells are still where the kernel had them: as arrays they would need as much memory again, and
-// fresh pages cost more than to turn and translate cells when they are written.
+// A tile's mesh whose cells are still where the kernel had them. As arrays the cells would need as much memory again,
+// and fresh pages cost more time than to turn and translate the cells while they are written.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +13,24 @@
 
 namespace tessera {
 
-// Its first cells may have been written before: they are not among these.
+// A tile that is ready to be written. Its first cells may have been written early; then they are not among these cells.
 struct CollectedTile final : CellStream {
   TileMesh mesh;                // without cells and neighbors
-  std::uint64_t early = 0;      // how many were written before
-  BigVector<std::byte> stored;  // what the storage has said of them
+  std::uint64_t early = 0;      // how many cells were written early
+  BigVector<std::byte> stored;  // what the storage has returned for the early cells
   CellRows rows;
-  BigVector<std::uint32_t> order;          // of the rows that are the other cells of the mesh, as in SortedCells
-  std::vector<std::uint32_t> index;        // as there
-  BigVector<std::int32_t> places{-2, -1};  // as there, from the third on; before it what lies across no facet: itself
+  BigVector<std::uint32_t> order;    // of the rows that are the other cells of the mesh, as in SortedCells
+  std::vector<std::uint32_t> index;  // as in SortedCells
+  // as SortedCells::place, from the third entry on; the two before it stand for facets without a neighbour
+  BigVector<std::int32_t> places{-2, -1};
   std::uint32_t own = 0;
 
   Status vertices(const Take& take) const override;
   Status neighbors(const Take& take) const override;
-  // With all arrays. Of cells that were written before: `vertices` and `neighbors`.
+  // Returns the mesh with all arrays. `vertices`, `neighbors`: those of the cells that were written early.
   TileMesh whole(std::span<const std::int32_t> vertices = {}, std::span<const std::int32_t> neighbors = {}) &&;
   std::uint64_t bytes() const;
-  // Valid as long as nothing here is assigned to.
+  // Valid until a member is changed.
   SortedCells sorted() const;
 };
 

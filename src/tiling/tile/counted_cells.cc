@@ -1,4 +1,4 @@
-// Cells of which nothing is kept but what `told` makes of them.
+// Cells of which nothing is kept except what `told` makes of them.
 #include <algorithm>
 #include <utility>
 
@@ -34,7 +34,7 @@ std::uint64_t TileTriangulation::discard(std::span<const Point> points, const Bo
 }
 
 RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
-  std::vector<Point> at(ids_.size());  // by vertex; the kernel forgets them with its cells
+  std::vector<Point> at(ids_.size());  // by vertex; saved here, as the kernel forgets points with its cells
   for (Vertex v = 1; v < ids_.size(); ++v) {
     if (!is_local(v) && kernel_->alive(v)) at[v] = kernel_->point(v);
   }

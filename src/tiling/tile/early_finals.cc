@@ -10,15 +10,16 @@ namespace tessera {
 
 namespace {
 
-// The cells of one kind, by their least vertex.
+// Counts and places of one kind of cells, by their least vertex.
 struct Buckets {
-  BigVector<std::uint32_t> end;  // by own vertex, from the second on: how many have a lesser one; then, where they end
+  // by own vertex, from the second entry on: how many cells have a lesser vertex; later, where the vertex's cells end
+  BigVector<std::uint32_t> end;
 
   explicit Buckets(std::size_t own) : end(own + 1, 0) {}
   std::size_t count() const { return end.back(); }
 };
 
-constexpr std::uint32_t border = std::uint32_t{1} << 31;  // in `least`: the cell borders others
+constexpr std::uint32_t border = std::uint32_t{1} << 31;  // in `least`: the cell has a neighbour that is not final
 
 template <int d>
 void look_at(std::span<const CellRow> rows, std::uint32_t* least, Buckets& inner, Buckets& outer) {

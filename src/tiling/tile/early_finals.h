@@ -1,5 +1,5 @@
-// The final cells of a tile in canonical order, so that the first ones can be written while the tile is still at work.
-// Those that border others, whose neighbours are not known yet, come last.
+// The final cells of a tile in canonical order, so that the first cells can be written while the tile is still at work.
+// Final cells that border cells of unknown neighbours come last.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,11 @@
 
 namespace tessera {
 
+// Orders the final cells of a tile, and streams the early ones. Immutable once it is made.
 class EarlyFinals final : public CellStream {
  public:
-  // `ids`: of the tile's points. Of the cells that know all their neighbours as many are early as are whole `unit`s.
-  // Throws Stopped soon after `stop` is requested.
+  // `ids`: of the tile's points. Of the final cells whose neighbours are all known, the largest multiple of `unit` is
+  // early. Throws Stopped soon after `stop` is requested.
   EarlyFinals(int dimension, std::span<const PointId> ids, FinalCells cells, std::uint64_t unit,
               const std::stop_token& stop);
 
@@ -28,20 +29,20 @@ class EarlyFinals final : public CellStream {
   std::uint64_t early() const { return early_; }
   std::uint64_t all() const { return cells_.rows.size(); }
   std::uint64_t others() const { return cells_.others; }  // cells of the tile that are not final
-  // Of the early cells, as they will be in the mesh.
+  // The early cells, as they will be in the mesh.
   Status vertices(const Take& take) const override;
   Status neighbors(const Take& take) const override;
-  // The others.
+  // Returns the final cells that are not early.
   PendingFinals left() const;
 
  private:
   SortedCells sorted(std::size_t first, std::size_t end) const;
 
   int dimension_;
-  std::vector<PointId> ids_;  // who writes the cells may be late
+  std::vector<PointId> ids_;  // a copy, as the cells may be written when the tile has gone
   FinalCells cells_;
-  BigVector<std::uint32_t> order_;  // of the rows in the mesh
-  BigVector<std::int32_t> places_;  // as SortedCells::place, from the third on
+  BigVector<std::uint32_t> order_;  // by place in the mesh: the row
+  BigVector<std::int32_t> places_;  // as SortedCells::place, from the third entry on
   std::uint64_t early_ = 0;
 };
 

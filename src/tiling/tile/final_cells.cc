@@ -14,7 +14,7 @@ FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& 
   FinalCells out;
   out.others = open.size() - kept;
   out.rows.reserve(kept);
-  // Which of c's facets the cell across it has in common with it.
+  // Returns which facet of the cell `across` it has in common with c.
   const auto facet_of = [&](std::size_t across, std::size_t c) {
     const auto begin = list.neighbors.begin() + static_cast<std::ptrdiff_t>(across * corners);
     return static_cast<std::uint32_t>(std::find(begin, begin + static_cast<std::ptrdiff_t>(corners), c) - begin);

@@ -1,4 +1,5 @@
-// What a tile tells others of what has arrived: the rule of docs/design.md, section 2, and the published one.
+// What a tile tells others of points that have arrived: by the rule of docs/design.md, section 2, or by the published
+// one.
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +13,7 @@ void TileTriangulation::introduce() {
     for (const Seed& seed : options_.around->seeds_of(options_.self)) {
       if (seed.point.tile != options_.self) add_seed(seed);
     }
-    std::erase_if(refused_, [&](const Refused& r) {  // seeds are vertices
+    std::erase_if(refused_, [&](const Refused& r) {  // seeds are vertices, even if they were refused
       const Vertex v = foreign_.at(r.point.id);
       if (v != 0) record_received(v, r.from, r.point);
       return v != 0;
@@ -23,7 +24,7 @@ void TileTriangulation::introduce() {
   } else {
     introduce_vertices();
   }
-  // Not kept, but those it would have as neighbours are introduced: all of them foreign.
+  // Refused points are not kept, but the vertices that would be their neighbours, all foreign, are introduced to them.
   for (const Refused& r : refused_) {
     stop_check_.step();
     const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
@@ -38,7 +39,7 @@ void TileTriangulation::introduce() {
   due_ = kernel_->vertices() + 1;
 }
 
-// One pass over the cells costs a fraction of a walk around each vertex, where the new ones are not few.
+// If new vertices are not few, one pass over the cells costs a fraction of a walk around each new vertex.
 void TileTriangulation::introduce_vertices() {
   if ((kernel_->vertices() + 1 - due_) > kernel_->vertices() / 16) {
     kernel_->edges_from(due_, [&](Vertex v, Vertex w) {
@@ -54,14 +55,14 @@ void TileTriangulation::introduce_vertices() {
   }
 }
 
-// Of two foreign points it is enough that one of the owners hears of the other's.
+// For two foreign points it is enough that one of the owners hears of the other's point.
 void TileTriangulation::introduce(Vertex v, Vertex neighbour) {
   const TileId owner = owners_[v], other = owners_[neighbour];
   if (is_local(neighbour)) return send(neighbour, owner);
   if (is_known_by(owner, neighbour) || is_known_by(other, v) || rely_on_told_bit(owner, neighbour) ||
       rely_on_told_bit(other, v))
     return;
-  // A seed is a neighbour of many: telling of it to one owner spares telling all of those to its own.
+  // A seed is a neighbour of many points. Telling one owner of the seed spares telling the seed's owner of all of them.
   if (seeds_.contains(v)) return send(v, other);
   send(neighbour, owner);
 }
@@ -70,46 +71,47 @@ bool TileTriangulation::is_known_by(TileId tile, Vertex v) const {
   return owners_[v] == tile || sent_.has(v, tile) || has_as_seed(tile, v);
 }
 
-// By somebody. From now on it counts as told by this tile, too: so it is told again after a restart or a loss.
+// Whether some tile has told `tile` of v. From now on the pair counts as sent by this tile, too, so that it is sent
+// again after a restart or a loss.
 bool TileTriangulation::rely_on_told_bit(TileId tile, Vertex v) {
   if (told_[v] == 0 || (told_[v] & options_.around->bit(owners_[v], tile)) == 0) return false;
   if (sent_.add(v, tile)) relied_.push_back(std::uint64_t{v} << 32 | tile.value);
   return true;
 }
 
-// Whether a tile has been told of a point that was refused. That one is no vertex, and has no place in the sent-set.
+// Whether `tile` has been told of a refused point. That point is no vertex, so it cannot be in the sent-set.
 bool TileTriangulation::rely_on_told_bit_of_refused(TileId tile, const Refused& refused) {
   const SharedPoint& p = refused.point;
   const bool itself = tile == refused.from;
   if (!itself && (p.told & options_.around->bit(p.tile, tile)) == 0) return false;
   for (auto r = refused_relied_.rbegin(); r != refused_relied_.rend() && r->point.id == p.id; ++r) {
-    if (r->tile == tile) return true;  // a neighbour of it, too
+    if (r->tile == tile) return true;  // noted before, for another neighbour
   }
   refused_relied_.push_back({{p.at, p.id, p.tile, 0}, tile, itself ? 0u : 1u});
   return true;
 }
 
-// False if it had been noted before.
+// Notes that `tile` knows v. Returns false if that had been noted before.
 bool TileTriangulation::record_sent(Vertex v, TileId tile) {
   if (!sent_.add(v, tile)) return false;
   told_[v] |= options_.around->bit(owners_[v], tile);
   return true;
 }
 
-// Of a vertex, from a tile, in these words.
+// Notes what a message says of a vertex: the sender knows it, and the told bits.
 void TileTriangulation::record_received(Vertex v, TileId from, const SharedPoint& p) {
   record_sent(v, from);
   told_[v] |= p.told;
 }
 
-// From the start.
+// Whether `tile` knows v from the start.
 bool TileTriangulation::has_as_seed(TileId tile, Vertex v) const {
   const auto seed = seeds_.find(v);
   if (seed == seeds_.end()) return false;
   return options_.around->has(tile, {{kernel_->point(v), ids_[v], owners_[v], 0}, seed->second});
 }
 
-// While the tile is flat every vertex counts as every other's neighbour: ties are not yet broken.
+// While the tile is flat every vertex counts as a neighbour of every other, because ties are not broken yet.
 void TileTriangulation::share_with_all() {
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
     if (is_local(v)) continue;
@@ -140,7 +142,7 @@ std::map<TileId, std::vector<SharedPoint>> TileTriangulation::take_updates() {
   return out;
 }
 
-// The published order: insert everything, simplify, then splay what survived.
+// The published order: insert everything, simplify, then splay the points that are left.
 Status TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> points) {
   std::vector<Vertex> around, added;
   for (const SharedPoint& p : points) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t block_seeds = 8;
 
-// Rounded the same way for everybody who asks.
+// The result is rounded in the same way for every caller, so that all processes agree.
 double squared_gap(const Bounds& a, const Bounds& b) {
   double squared = 0;
   for (int i = 0; i < 3; ++i) {
@@ -74,7 +74,8 @@ std::vector<Seed> KnownFromStart::seeds_of(TileId tile) const {
   return out;
 }
 
-// A block is passed over when none of its seeds can reach: its gap is no larger than theirs, and rounding keeps that.
+// Skips a block when none of its seeds can reach the tile: the gap of the block is not larger than theirs, and rounding
+// preserves that.
 void KnownFromStart::collect(std::size_t block, TileId tile, std::vector<Seed>& out) const {
   const Block& b = blocks_[block];
   if (b.bounds.empty() || squared_gap(b.bounds, bounds(tile)) > b.reach * b.reach) return;

@@ -1,7 +1,7 @@
-// What every tile knows of the others before it has heard anything: where they are, which of them touch, and the seeds:
-// a few points of the whole cloud, known finely near a tile and coarsely far away. Each seed reaches some way around
-// itself, and every tile whose points come within its reach has it: so a tile can tell who has which, and never sends
-// them. Made from the plan alone, the same on every node.
+// What every tile knows of the others before any message has arrived: where they are, which of them touch it, and the
+// seeds. Seeds are a few points of the whole cloud, known finely near a tile and coarsely far away. Each seed has a
+// reach, and every tile whose points come within its reach has the seed. So a tile can tell which other tiles have a
+// seed, and never sends it to them. All of it follows from the plan alone, so it is the same on every node.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,11 @@ namespace tessera {
 class KnownFromStart {
  public:
   KnownFromStart() = default;
-  // `bounds`: by tile, of its points. `neighbours`: by tile, whom it tells first; ascending.
+  // `bounds`: by tile, the bounds of its points. `neighbours`: by tile, the tiles that it announces points to;
+  // ascending.
   KnownFromStart(std::vector<Bounds> bounds, const std::vector<std::vector<TileId>>& neighbours,
                  std::vector<Seed> seeds);
-  // The same, of a plan that is in memory already.
+  // The same, sharing the arrays of a plan that is in memory already.
   KnownFromStart(std::shared_ptr<const std::vector<Bounds>> bounds, const std::vector<std::vector<TileId>>& neighbours,
                  std::shared_ptr<const std::vector<Seed>> seeds);
 
@@ -31,29 +32,30 @@ class KnownFromStart {
     const std::uint32_t begin = tile.value == 0 ? 0 : neighbours_end_[tile.value - 1];
     return std::span(neighbours_).subspan(begin, neighbours_end_[tile.value] - begin);
   }
-  // For SharedPoint::told: a bit for each of the first 32 neighbours of a tile, and none for any other tile.
+  // Returns a bit for SharedPoint::told: each of the first 32 neighbours of `owner` has one; for other tiles the result
+  // is 0.
   std::uint32_t bit(TileId owner, TileId neighbour) const;
 
-  // Whether a tile has a seed. A function of the two alone, bit for bit, whoever asks.
+  // Whether a tile has a seed. The answer depends on the two alone, and is the same in every process, bit for bit.
   bool has(TileId tile, const Seed& seed) const { return reaches(seed, bounds(tile)); }
-  // Those that a tile has, its own among them.
+  // Returns the seeds that a tile has, its own points included.
   std::vector<Seed> seeds_of(TileId tile) const;
   const std::vector<Seed>& seeds() const { return *seeds_; }
 
  private:
   struct Block {  // of consecutive seeds
     Bounds bounds;
-    double reach = 0;  // the largest
+    double reach = 0;  // the largest reach of these seeds
   };
   static bool reaches(const Seed& seed, const Bounds& bounds);
   void collect(std::size_t block, TileId tile, std::vector<Seed>& out) const;
 
-  // Every node has all of it, however few of the tiles are its own.
+  // Every node has the bounds of all tiles, however few of the tiles are its own.
   std::shared_ptr<const std::vector<Bounds>> bounds_ = std::make_shared<const std::vector<Bounds>>();
-  std::vector<TileId> neighbours_;             // of one tile after the other
-  std::vector<std::uint32_t> neighbours_end_;  // by tile
+  std::vector<TileId> neighbours_;             // one tile after the other
+  std::vector<std::uint32_t> neighbours_end_;  // by tile: where its neighbours end
   std::shared_ptr<const std::vector<Seed>> seeds_ = std::make_shared<const std::vector<Seed>>();
-  std::vector<Block> blocks_;  // a complete binary tree in rows: [1] is the root
+  std::vector<Block> blocks_;  // a complete binary tree in an array: [1] is the root
 };
 
 }  // namespace tessera

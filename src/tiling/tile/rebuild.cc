@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-// One kernel triangulates all points at once, as if all were the tile's own: what is told apart are its cells.
+// One kernel triangulates all points as if all were the tile's own; only the cells are told apart.
 Result<TileMesh> rebuild(RebuildInput input) {
   const auto corrupt = [](const char* reason) { return error(Errc::corrupt, reason); };
   const std::size_t all = input.points.size();

@@ -1,5 +1,5 @@
-// A tile's cells again, from its own points and the foreign vertices that it had at the end (docs/design.md, section
-// 3): the star of a point among these is its star among all points.
+// Makes a tile's cells again from its own points and the foreign vertices that it had at the end: the star of a point
+// among these points is its star among all points (docs/design.md, section 3).
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,17 @@ namespace tessera {
 struct RebuildInput {
   int dimension;
   TileId self;
-  std::uint64_t own;           // the first ones are the tile's own
-  std::vector<Point> points;   // both best in Hilbert order
-  std::vector<PointId> ids;    // theirs
-  std::vector<TileId> owners;  // theirs
+  std::uint64_t own;           // how many points are the tile's own; they come first
+  std::vector<Point> points;   // best in Hilbert order, own and foreign points each
+  std::vector<PointId> ids;    // beside points
+  std::vector<TileId> owners;  // beside points
   std::stop_token stop = {};   // error interrupted soon after it is requested
 };
 
-// The tile's mesh, whatever order it was stored in: cells are sorted, foreign vertices stand by id. Error corrupt, with
-// the end of a sentence, when no tile can have left these points: two are equal, all lie in a plane (2D: on a line), or
-// a foreign one is no vertex of the tile's cells, or two of these have one id.
+// Returns the tile's mesh in canonical order, in whatever order the points were stored: cells are sorted, and foreign
+// vertices are ordered by id. Error corrupt, with the end of a sentence, when no tile can have left these points: two
+// points are equal, all lie in a plane (2D: on a line), a foreign point is no vertex of the tile's cells, or two
+// foreign vertices have one id.
 Result<TileMesh> rebuild(RebuildInput input);
 
 }  // namespace tessera

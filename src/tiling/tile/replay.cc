@@ -1,4 +1,4 @@
-// The way back into the exchange, of this tile or of others: docs/design.md, section 3.
+// Sends again what may be lost, for this tile or for reborn tiles: docs/recovery.md.
 #include <algorithm>
 
 #include "src/tiling/tile/tile_triangulation.h"
@@ -13,8 +13,9 @@ void TileTriangulation::replay_to(std::span<const TileId> reborn) {
   replay_if([&](TileId tile) { return std::binary_search(reborn.begin(), reborn.end(), tile); });
 }
 
-// What was relied on is told to tiles that live, too: whoever said that he had told them may have died before they
-// heard of it. From now on it is this tile's own word, and so are the words that are left.
+// Pairs that this tile relied on are sent to living tiles, too: the tile that claimed to have told them may have died
+// before its message arrived. From now on these pairs count as sent by this tile, and so do the told bits that are
+// left.
 void TileTriangulation::replay_if(const std::function<bool(TileId)>& reborn) {
   const auto tell = [&](std::uint64_t pair) {
     updates_[TileId{static_cast<std::uint32_t>(pair)}].push_back(static_cast<Vertex>(pair >> 32));

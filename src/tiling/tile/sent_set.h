@@ -1,5 +1,6 @@
-// Which tile has been told of which vertex. Nearly every vertex is told to one tile only: that one stands in an array
-// by vertex, and a hash set holds the others. A star asks for each pair of its vertices many times over.
+// The sent-set: which tile has been told of which vertex. Most vertices are told to one tile only. That tile stands in
+// an array by vertex; a hash set has the others. The set must be fast, as a star asks for each pair of its vertices
+// many times.
 #pragma once
 
 #include <tsl/robin_set.h>
@@ -14,9 +15,10 @@
 
 namespace tessera {
 
+// A set of pairs (vertex, tile). Not thread-safe.
 class SentSet {
  public:
-  // False if `tile` has been told of `v` before.
+  // Adds a pair. Returns false if it was in the set before.
   bool add(Vertex v, TileId tile) {
     if (v >= first_.size()) first_.resize(v + 1, nobody);
     if (first_[v] == tile) return false;
@@ -30,7 +32,7 @@ class SentSet {
     return first_[v] == tile || more_.contains(key_of(v, tile));
   }
 
-  // Vertex v becomes to[v]. REQUIRES: to[v] is not 0 for all v in the set, and no two are equal.
+  // Renames vertex v to to[v]. REQUIRES: for all v in the set, to[v] is not 0, and all to[v] differ.
   void renumber(const std::vector<Vertex>& to) {
     SentSet renumbered;
     for (const std::uint64_t key : keys()) {
@@ -41,7 +43,7 @@ class SentSet {
     *this = std::move(renumbered);
   }
 
-  // All pairs, as vertex << 32 | tile.
+  // Returns all pairs, as vertex << 32 | tile.
   std::vector<std::uint64_t> keys() const {
     std::vector<std::uint64_t> all(more_.begin(), more_.end());
     for (std::size_t v = 0; v < first_.size(); ++v) {

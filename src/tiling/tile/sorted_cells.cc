@@ -1,5 +1,5 @@
-// A handful of cells have a least vertex in common, most of the time. They are brought into order by counting, for
-// each, how many come before it: no branch depends on what is compared.
+// Mostly a handful of cells have a least vertex in common. They are sorted by counting, for each cell, how many come
+// before it. So no branch depends on the values that are compared.
 #include "src/tiling/tile/sorted_cells.h"
 
 #include <algorithm>
@@ -22,10 +22,11 @@ using Quad = std::uint32_t __attribute__((vector_size(16)));
 using Signed = std::int32_t __attribute__((vector_size(16)));
 using Lanes = std::int64_t __attribute__((vector_size(32)));
 
-// Which entries of a row go first, second, ...
+// Which entries of a row come first, second, ...
 using Turn = Quad;
 
-// By the outcomes of the comparisons 0<1, 0<2, 0<3, 1<2, 1<3, 2<3 of a row's entries, the first one the highest bit.
+// Turns by the outcomes of the comparisons 0<1, 0<2, 0<3, 1<2, 1<3, 2<3 of a row's entries; the first comparison is the
+// highest bit.
 struct Turns {
   Turn of[64];
 };
@@ -53,7 +54,7 @@ constexpr Turns turns_3() {
   return turns;
 }
 
-// In 2D there are three: 0<1, 0<2, 1<2.
+// In 2D there are three comparisons: 0<1, 0<2, 1<2.
 constexpr Turns turns_2() {
   Turns turns{};
   for (unsigned outcomes = 0; outcomes < 8; ++outcomes) {
@@ -90,7 +91,7 @@ template <int d>
   return quad;
 }
 
-// What `turn` makes of a row. Vertices are those in the mesh.
+// A row after its turn. Vertices are those in the mesh.
 struct Turned {
   Quad vertices;
   Turn turn;
@@ -104,14 +105,14 @@ class Rows {
 
   explicit Rows(const SortedCells& cells) : cells_(cells), last_(cells.order.size() - 1) {}
 
-  // Rows in canonical order are anywhere: those that come soon are asked for.
+  // Rows in canonical order are anywhere in memory. The rows that come soon are prefetched.
   [[gnu::always_inline]] std::uint32_t soon(std::size_t at) const {
     const std::uint32_t row = cells_.order[std::min(at + ahead, last_)] & ~mixed_row;
     __builtin_prefetch(&cells_.rows[row]);
     return row;
   }
 
-  // `see` is told of each foreign vertex in the mesh.
+  // `see` is called with each foreign vertex, as numbered in the mesh.
   template <class See>
   [[gnu::always_inline]] Turned turned_row(std::uint32_t o, const See& see) const {
     const CellRow& row = cells_.rows[o & ~mixed_row];
@@ -144,7 +145,7 @@ class Rows {
       soon(at);
       const std::uint32_t o = cells_.order[at];
       const Turned cell = turned_row(o, [](std::uint32_t) {});
-      // Without the facets; what is no neighbour stays negative.
+      // The shift removes the facet numbers. Values that are no neighbour stay negative.
       const Signed n = reinterpret_cast<Signed>(load(cells_.rows[o & ~mixed_row].neighbors)) >> 2;
       const Quad t = turned(reinterpret_cast<Quad>(n), cell.turn);
       for (std::size_t i = 0; i < corners; ++i) to[i] = place[static_cast<std::int32_t>(t[i])];
@@ -152,7 +153,7 @@ class Rows {
   }
 
  private:
-  const SortedCells cells_;  // nothing that is written can change where it is written
+  const SortedCells cells_;  // a copy, so that no write can change it
   const std::size_t last_;
 };
 
@@ -162,7 +163,7 @@ class Sorter {
   Sorter(const SortedCells& cells, const CellsToSort& sorted, const std::stop_token& stop)
       : cells_(cells), sorted_(sorted), stop_(stop) {}
 
-  // Several buckets at a time, so that one is written while another is read.
+  // Sorts several buckets at a time, so that one is written while another is read.
   [[gnu::always_inline]] void sort() {
     const std::span<const std::uint32_t> ends = sorted_.end;
     std::size_t begin = 0;
@@ -206,7 +207,7 @@ class Sorter {
       const Turned cell =
           rows.turned_row(o, [&](std::uint32_t foreign) { ghost |= sorted_.owners[foreign] < sorted_.self; });
       entries[i] = {o, ghost};
-      // In a bucket the next two vertices tell all cells apart: a positively oriented cell is the only one on its side
+      // In a bucket the next two vertices distinguish all cells: a positively oriented cell is the only one on its side
       // of the facet (least, second, third). In 2D, on its side of an edge.
       keys[i] = std::int64_t{cell.vertices[1]} << 32 | cell.vertices[2];
     }
@@ -225,7 +226,7 @@ class Sorter {
     }
   }
 
-  // Where the cells of a bucket go: behind as many as have smaller keys. Writes whole lanes.
+  // Finds where the cells of a bucket go: behind as many as have smaller keys. Writes whole lanes.
   [[gnu::always_inline]] void rank(std::size_t begin, std::size_t end) {
     const std::int64_t* const keys = keys_.data();
     const auto first = static_cast<std::int64_t>(begin);
@@ -245,7 +246,7 @@ class Sorter {
   }
 
   static constexpr std::size_t usual = 256;  // cells
-  static constexpr std::size_t few = 64;     // from here on sorting is faster
+  static constexpr std::size_t few = 64;     // from here on std::sort is faster
   const SortedCells cells_;
   const CellsToSort sorted_;
   const std::stop_token& stop_;
@@ -253,7 +254,7 @@ class Sorter {
   std::vector<std::int64_t> keys_, ranks_;
 };
 
-// Each as the machine can do it best.
+// Runs the work with the best instructions of the machine.
 #if defined(__x86_64__)
 template <class Do>
 [[gnu::target("avx2")]] void avx2(const Do& work) {
@@ -299,7 +300,7 @@ void copy_neighbors(int dimension, const SortedCells& cells, std::size_t first, 
 }
 
 Status stream_cells(int dimension, const SortedCells& cells, CopyCells copy, const CellStream::Take& take) {
-  constexpr std::size_t piece_cells = 1024;  // 16 KiB: they stay in the first-level cache until they are taken
+  constexpr std::size_t piece_cells = 1024;  // 16 KiB, which stay in the first-level cache until they are taken
   const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
   std::array<std::int32_t, 4 * piece_cells> piece;
   for (std::size_t first = 0; first < cells.order.size(); first += piece_cells) {

@@ -1,4 +1,4 @@
-// How far apart points are, roughly: for heuristics alone.
+// How far apart points are, roughly. For heuristics only.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-// The distance between neighbours if n points filled their bounds evenly.
+// Returns the distance between neighbours if n points filled their bounds evenly.
 inline double even_spacing(const Bounds& bounds, std::size_t n, int dimension) {
   double volume = 1;
   for (int i = 0; i < dimension; ++i) volume *= bounds.hi[i] - bounds.lo[i];

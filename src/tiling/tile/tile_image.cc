@@ -1,5 +1,5 @@
-// What outlives a tile's triangulation. A sleeping tile as bytes: counts first, then flat arrays. Read back on the
-// machine and by the version that wrote it, so layout and byte order are the memory's own; lengths and ranges are
+// What outlives a tile's triangulation. A sleeping tile as bytes: counts first, then flat arrays. The image is read on
+// the machine and by the version that wrote it, so layout and byte order are those of memory. Lengths and ranges are
 // checked all the same.
 #include <algorithm>
 
@@ -90,7 +90,7 @@ bool TileTriangulation::load(BigVector<std::byte> bytes) {
   for (const auto* pairs : {&sent, &relied}) {
     if (std::any_of(pairs->begin(), pairs->end(), [&](std::uint64_t pair) { return pair >> 32 >= n; })) return false;
   }
-  // A tile wakes up when memory is short: no more than two copies of it at a time.
+  // A tile wakes up when memory is short, so there are never more than two copies of it.
   BigVector<std::byte>().swap(bytes);
   if (!kernel_->load(image)) return false;
   image = {};

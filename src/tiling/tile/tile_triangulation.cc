@@ -12,8 +12,8 @@
 namespace tessera {
 namespace {
 
-// How far a sphere must reach into a neighbour's bounds to be told of, in its radii: where spheres are small, points
-// are dense.
+// How far a sphere must reach into a neighbour's bounds before its vertices are announced, in radii of the sphere:
+// where spheres are small, points are dense.
 constexpr double announce_depth = 0.6;
 
 double longest_edge(std::span<const Point> corners) {
@@ -27,8 +27,8 @@ double longest_edge(std::span<const Point> corners) {
   return std::sqrt(squared);
 }
 
-// Whether the sphere reaches well into the bounds: one that only just reaches a neighbour's points has most likely none
-// of them inside.
+// Whether the sphere reaches well into the bounds. A sphere that only just reaches a neighbour's points has most likely
+// none of them inside.
 bool reaches_well(const Ball& ball, const Bounds& bounds, int dimension) {
   if (bounds.empty()) return false;
   const double most = ball.reach * ball.reach;
@@ -66,7 +66,7 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   }
 }
 
-// Also one that was refused as mail: nobody tells of a seed again, so images must have it.
+// Also inserts a seed that was refused when a message brought it: no tile sends seeds, so images must have them.
 void TileTriangulation::add_seed(const Seed& seed) {
   const auto known = foreign_.find(seed.point.id);
   Vertex v = known == foreign_.end() ? 0 : known->second;
@@ -86,8 +86,9 @@ bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> 
 }
 
 // Why exploring from the outside finds every cell that is not final: let a foreign point q be in conflict with cell c.
-// The cells in conflict with q are connected, and q lies outside the box, so outside the hull of the local points: one
-// of them has an infinite or foreign vertex. None of them is strictly inside the box, so the path to c is followed.
+// The cells in conflict with q are connected. q lies outside the box, so outside the hull of the local points. So one
+// of these cells has an infinite or foreign vertex. None of these cells has its circumsphere inside the box, so the
+// path to c is followed.
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box, bool quick) {
   check(!handed_out_ && updates_.empty(), "a tile is reduced once, before it announces");
   if (kernel_->dimension() < options_.dimension) return {};
@@ -103,13 +104,13 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
   return finals;
 }
 
-// The cells that are left are loaded into a kernel that knows their vertices alone.
+// Loads the cells that are left into a kernel that knows only their vertices.
 void TileTriangulation::forget_vertices(std::size_t own) {
   KernelImage image = kernel_->save();
   kernel_.reset();
   const std::vector<Vertex> to = renumber(image.cells.vertices, own);
   for (Vertex& v : image.cells.vertices) v = to[v];
-  for (Vertex v = 1; v < to.size(); ++v) {  // numbers only fall
+  for (Vertex v = 1; v < to.size(); ++v) {  // numbers only decrease
     if (to[v] == 0) continue;
     image.points[to[v] - 1] = image.points[v - 1];
     image.local[to[v] - 1] = image.local[v - 1];
@@ -122,7 +123,8 @@ void TileTriangulation::forget_vertices(std::size_t own) {
   check(kernel_->load(image), "a kernel loads what it saved");
 }
 
-// For a kernel that cannot forget cells: triangulates the vertices of the others again (Caraffa et al., section 2.3).
+// For a kernel that cannot freeze cells: triangulates the vertices of the other cells again (Caraffa et al., section
+// 2.3).
 FinalCells TileTriangulation::build_reduced(std::span<const Point> points,
                                             const std::function<bool(const Vertex*)>& is_final) {
   const int corners = options_.dimension + 1;
@@ -133,7 +135,7 @@ FinalCells TileTriangulation::build_reduced(std::span<const Point> points,
   const Vertex before = kernel_->vertices();
   std::vector<Point> foreign;
   for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= before; ++v) foreign.push_back(kernel_->point(v));
-  kernel_.reset();  // nine tenths of the tile's memory, before more is needed
+  kernel_.reset();  // frees nine tenths of the tile's memory before more is needed
   const std::vector<Vertex> to = renumber(open_cells, points.size());
   std::vector<Point> kept;
   for (Vertex v = 1; v < ids_.size() && is_local(v); ++v) kept.push_back(points[ranks_[v]]);
@@ -153,8 +155,8 @@ FinalCells TileTriangulation::build_reduced(std::span<const Point> points,
   return extract_final(list, open, options_.dimension);
 }
 
-// Keeps the tile's own vertices that are in `used`, in the old order, which is Hilbert order, and the foreign ones:
-// these are vertices of infinite or mixed cells, which are never final. Returns the new number of each vertex, or 0.
+// Keeps the tile's own vertices that are in `used`, in the old order, which is Hilbert order, and all foreign vertices:
+// they are vertices of infinite or mixed cells, which are never final. Returns the new number of each vertex, or 0.
 std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, std::size_t own) {
   std::vector<Vertex> to(ids_.size(), 0);
   for (const Vertex v : used) to[v] = 1;
@@ -193,12 +195,12 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     if (!is_local(v)) return kernel_->point(v);
     return points[reduced_ ? ranks_[v] : v - 1];
   };
-  // Slivers at the hull have huge spheres, which the neighbours' points will empty: telling everyone about their
-  // vertices doubles the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
+  // Slivers at the hull have huge spheres, which will not be empty when the neighbours' points arrive. Announcing their
+  // vertices would double the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
   Bounds bounds;
   for (const Point& q : points) bounds.add(q);
-  // What is left has its vertices near a face of the box, and most slivers have not: a terrain's top is covered by
-  // them.
+  // Only cells with a vertex near a face of the box are announced. Most slivers have none: the top of a terrain is
+  // covered by slivers.
   const double near = 4 * even_spacing(bounds, points.size(), d);
   const auto near_face = [&](Vertex v) {
     const Point q = at(v);
@@ -247,7 +249,7 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> poin
   return success();
 }
 
-// What a peer says is never a reason to stop the process.
+// Nothing that a peer sends may stop the process.
 Error TileTriangulation::refuse(TileId from, const SharedPoint& p) const {
   return error(Errc::internal, "tile " + to_string(options_.self) + ": tile " + to_string(from) + " told it of point " +
                                    to_string(p.id) + ", which it cannot have");
@@ -257,7 +259,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   const auto mode = always ? InsertMode::always : InsertMode::if_local_neighbour;
   const Insertion result = kernel_->insert(p.at, false, mode, around);
   if (!result.inserted) {
-    if (result.vertex != 0) return refuse(p.tile, p);  // equal coordinates are one id
+    if (result.vertex != 0) return refuse(p.tile, p);  // equal coordinates must have one id
     foreign_[p.id] = 0;
     ++counts_.refused;
     return Vertex{0};
@@ -292,7 +294,7 @@ CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<
   input.cells = kernel_->take_cells();
   const bool filled = reduced_ && !kernel_->can_freeze();
   kernel_.reset();
-  if (reduced_) {  // the vertices that stayed are numbered anew: back to ranks, and foreign ones behind them
+  if (reduced_) {  // vertices that stayed have new numbers: back to ranks, with the foreign vertices behind them
     const std::size_t stayed = ids_.size() - 1 - input.foreign.size();
     if (filled) input.fill.resize(input.cells.size());
     for (std::size_t c = 0; c < input.cells.size(); ++c) {

@@ -18,7 +18,7 @@ using K = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<Vertex, K>;
 using Tds = CGAL::Triangulation_data_structure_3<VertexBase, Indexed<CGAL::Delaunay_triangulation_cell_base_3<K>>>;
-// Number and mark fit into the padding behind CGAL's conflict mark.
+// The number and the mark fit into the padding behind CGAL's conflict mark.
 static_assert(sizeof(Tds::Cell) == 72 && sizeof(Tds::Vertex) == 48);
 
 struct Traits3 {
@@ -67,9 +67,9 @@ struct Traits3 {
     t.find_conflicts(p, c, std::back_inserter(zone.boundary), std::back_inserter(zone.cells));
     return {};
   }
-  // CGAL 5.5 fills a small hole through a table that belongs to the thread. An exception leaves the hole's edges in it,
-  // and the next triangulation in this thread takes them for its own: while there is such a table no cell may want
-  // memory.
+  // Makes sure that an insertion into a small hole allocates no cells. CGAL 5.5 fills a small hole through a table that
+  // belongs to the thread. An exception in the middle leaves the hole's edges in the table, and the next triangulation
+  // in this thread takes them for its own.
   static void make_room(Triangulation& t) {
     constexpr std::size_t small_hole_cells = 128;
     auto& tds = t.tds();
@@ -79,7 +79,7 @@ struct Traits3 {
     for (Cell& cell : made) cell = tds.create_cell();
     for (auto cell = made.rbegin(); cell != made.rend(); ++cell) tds.delete_cell(*cell);
   }
-  // As CGAL's own insertion: a small hole is filled through a table of its edges, a large one by turning around them.
+  // Inserts as CGAL does: a small hole is filled through a table of its edges, a large one by turning around its edges.
   static Vertex_h insert_into(Triangulation& t, const K::Point_3& p, const Zone& zone) {
     if (!t.tds().is_small_hole(zone.boundary.size())) {
       const auto& [cell, i] = zone.boundary.front();

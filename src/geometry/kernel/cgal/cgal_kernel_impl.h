@@ -1,10 +1,10 @@
-// What the 2D and the 3D kernel share. `Traits` hides the differences between CGAL's two triangulation interfaces:
-//   Triangulation, Cell (handle), Vertex_h (handle), d
+// The code that the 2D and the 3D kernel of CGAL share. `Traits` hides the differences between CGAL's two interfaces:
+//   Triangulation, Cell (a handle), Vertex_h (a handle), d
 //   to_cgal(Point), from_cgal(CGAL point)
 //   for_each_cell(t, f), for_each_incident_cell(t, v, f), for_each_neighbour(t, v, f)
-//   Zone: the conflict zone of a point, with member `cells` and clear()
-//   conflicts(t, p, start, zone): locates p and collects its conflict zone; the vertex there, or null
-//   make_room(t): what an insertion must not fail to get in its midst; to be called before each
+//   Zone: the conflict zone of a point, with a member `cells` and clear()
+//   conflicts(t, p, start, zone): locates p and collects its conflict zone; returns the vertex at p, or null
+//   make_room(t): called before each insertion; gets memory that the insertion must not fail to get halfway
 //   insert_into(t, p, zone): inserts p
 //   create_cell(t, vertices), set_neighbours(cell, neighbours)
 #pragma once
@@ -22,7 +22,7 @@
 
 namespace tessera {
 
-// A cell of CGAL's with a place for a mark and a number.
+// A cell of CGAL with fields for a mark and a number.
 template <class Base>
 class Indexed : public Base {
  public:
@@ -80,7 +80,7 @@ class CgalKernel final : public Kernel {
       bool touches_local = false;
       for (const Vertex v : around) touches_local |= local_[v] != 0;
       if (!touches_local) {
-        // The next point is probably near: walk on from here.
+        // The next point is probably near, so the next walk begins here.
         hint_ = handles_[around.front()];
         return {0, false};
       }
@@ -151,7 +151,7 @@ class CgalKernel final : public Kernel {
   std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& is_final, CellList* all,
                               std::vector<std::uint8_t>* open) override {
     enum : std::uint8_t { unseen, marked_open, marked_final };
-    std::vector<Cell> seen;  // open ones and final ones, to be unmarked
+    std::vector<Cell> seen;  // open and final cells, to be unmarked at the end
     std::vector<Vertex> found;
     std::array<Vertex, d + 1> corner;
     const auto visit = [&](Cell c) {
@@ -215,7 +215,7 @@ class CgalKernel final : public Kernel {
     local_.resize(n + 1);
     handles_.resize(n + 1);
     std::copy(image.local.begin(), image.local.end(), local_.begin() + 1);
-    if (image.dimension < d) {  // flat: few points, so build again
+    if (image.dimension < d) {  // a flat image has few points, so they are inserted again
       for (std::size_t i = 0; i < n; ++i) {
         if (!image.alive[i]) continue;
         const Handle v = t_.insert(Traits::to_cgal(image.points[i]));
@@ -274,7 +274,8 @@ class CgalKernel final : public Kernel {
     return v->info();
   }
 
-  // While points are collinear or coplanar ties are not yet broken as they will be: everything is everyone's neighbour.
+  // While all points are collinear or coplanar, CGAL does not break ties by the perturbation. So every vertex counts as
+  // a neighbour of every other vertex.
   template <class CgalPoint>
   Insertion insert_flat(const CgalPoint& q, bool local, std::vector<Vertex>& around) {
     const std::size_t before = t_.number_of_vertices();
@@ -286,7 +287,8 @@ class CgalKernel final : public Kernel {
     return {label(v, local), true};
   }
 
-  // Every vertex of a conflict zone is on its boundary, so these are the neighbours of the point once it is inserted.
+  // Every vertex of a conflict zone lies on the zone's boundary. So these vertices are the neighbours of the inserted
+  // point.
   void collect_zone_vertices(std::vector<Vertex>& around) {
     mark_.resize(handles_.size(), 0);
     for (const Cell c : zone_.cells) {
@@ -316,11 +318,11 @@ class CgalKernel final : public Kernel {
   }
 
   Triangulation t_;
-  std::vector<Handle> handles_;      // by vertex number; [0] is the infinite vertex, null once removed
-  std::vector<std::uint8_t> local_;  // by vertex number
-  std::vector<std::uint8_t> mark_;   // scratch, all 0 between calls
+  std::vector<Handle> handles_;      // by vertex number; [0] is the infinite vertex; null = removed
+  std::vector<std::uint8_t> local_;  // by vertex number: the label
+  std::vector<std::uint8_t> mark_;   // scratch; all 0 between calls
   typename Traits::Zone zone_;       // scratch
-  Handle hint_;                      // where the last insertion was
+  Handle hint_;                      // the vertex at which the next walk begins
 };
 
 }  // namespace tessera

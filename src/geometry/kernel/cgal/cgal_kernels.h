@@ -1,4 +1,5 @@
-// CGAL's triangulations behind the Kernel interface: one translation unit each, for they take long to compile.
+// CGAL's triangulations behind the Kernel interface. Each has a translation unit of its own, because both take long to
+// compile.
 #pragma once
 
 #include <memory>

@@ -1,10 +1,10 @@
-// What the cells of the flat kernels have in common. A Cell of dimension d has d + 1 `corners`: v[i] are its vertices,
-// positively oriented, and n[i] is across the facet opposite v[i]. Its other members:
-//   facet_of[i]     the corners but i, so that (p, v[facet_of[i][0]], ...) has the orientation of the cell with p in
-//                   place of v[i]
-//   set(vertices)   makes a slot a cell that is not marked; its neighbours are not set
-//   free(), dead()  makes a slot one without a cell; whether it is
-//   mark(open), marked(), open(), unmark()   the mark of one call
+// What the cells of the flat kernels have in common. A Cell of dimension d has d + 1 `corners`. v[i] are its vertices,
+// positively oriented. n[i] is the neighbour across the facet opposite v[i]. Its other members:
+//   facet_of[i]     all corners but i, ordered so that (p, v[facet_of[i][0]], ...) has the orientation of the cell
+//                   with p in place of v[i]
+//   set(vertices)   makes the slot an unmarked cell with these vertices; does not set neighbours
+//   free(), dead()  makes the slot free; whether the slot is free
+//   mark(open), marked(), open(), unmark()   the mark, which lasts for one call of the kernel
 //   vertex(i)       v[i], also while a call marks cells
 #pragma once
 
@@ -17,21 +17,25 @@ namespace tessera::flat {
 
 using Word = std::uint32_t;
 
-// A cell and one of its facets, 4 * cell + facet in both dimensions: a neighbour names the facet it is seen through, so
-// the way back needs no search. With `frozen_bit` the cell is one that freeze() has handed out: see CellList.
+// A Word that names a neighbour is 4 * cell + facet in both dimensions: the slot of the neighbour, and the facet
+// through which the neighbour sees this cell. So the way back needs no search. With `frozen_bit` the neighbour is a
+// cell that freeze() has handed out: see CellList.
 inline constexpr Word frozen_bit = across_frozen;
 inline constexpr Word cells_max = Word{1} << 29;
 
+// The answer of a point location.
 struct Located {
-  Word cell = 0;    // in conflict with the point
-  Vertex same = 0;  // the vertex with equal coordinates, or 0
+  Word cell = 0;    // a cell in conflict with the point, or a cell with the vertex `same`
+  Vertex same = 0;  // the vertex with the coordinates of the point, or 0
 };
 
-// The facet of `to` that is facet i of `from` seen from the other side; `corners` if there is none.
+// Returns the facet of `to` that is facet i of `from` seen from the other side, or `corners` if the cells have no such
+// facet.
 template <class Cell>
 Word common_facet(const Cell& from, Word i, const Cell& to) {
-  // Where the corners of `to` are in `from`; one of them, instead of corner i, is nowhere. From the other side that is
-  // an odd permutation. The product is 0 for what is none.
+  // place[k] is the corner of `from` at which corner k of `to` is found. The one corner of `to` that `from` lacks takes
+  // place i. Two cells that share the facet from opposite sides give an odd permutation. If a second corner is missing,
+  // two places are equal and the product is 0.
   int place[Cell::corners], parity = 1;
   Word facet = Cell::corners;
   for (Word k = 0; k < Cell::corners; ++k) {
@@ -44,7 +48,8 @@ Word common_facet(const Cell& from, Word i, const Cell& to) {
   return parity < 0 ? facet : Cell::corners;
 }
 
-// Moves the infinite vertex to the end, by an even permutation. False if it is there twice.
+// Moves the infinite vertex to the end, by an even permutation. Returns false if the cell has the infinite vertex
+// twice.
 template <class Cell>
 bool put_infinite_last(Cell& cell) {
   constexpr Word last = Cell::corners - 1;

@@ -1,4 +1,4 @@
-// The cells of the flat kernel in 2D, triangles: 32 bytes each, two to a cache line.
+// The cells of the flat kernel in 2D, which are triangles: 32 bytes each, two to a cache line.
 #pragma once
 
 #include "src/geometry/kernel/flat/cells.h"
@@ -13,9 +13,9 @@ inline constexpr Word vertices_max = flat::cells_max / 2;
 
 inline constexpr Word next_of[3] = {1, 2, 0}, before[3] = {2, 0, 1};
 
-enum class State : Word { plain, open, final, dead };  // open and final: marks of one call; dead: a free slot
+enum class State : Word { plain, open, final, dead };  // open, final: marks of one call; dead: a free slot
 
-// Counterclockwise. Facet i is the edge from v[i + 1] to v[i + 2]. v[0] is never infinite.
+// A triangle, counterclockwise. Facet i is the edge from v[i + 1] to v[i + 2]. v[0] is never infinite.
 struct alignas(32) Cell {
   static constexpr int dimension = 2;
   static constexpr Word corners = 3;

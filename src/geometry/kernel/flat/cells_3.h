@@ -9,15 +9,15 @@ using flat::frozen_bit;
 using flat::Located;
 using flat::Word;
 
-// The two top bits of v[0] mark a cell while one call runs; all others see plain vertex numbers.
+// The top two bits of v[0] mark a cell while one call runs. Between calls v[0] is a plain vertex number.
 inline constexpr Word mark_shift = 30;
 inline constexpr Word vertex_mask = (Word{1} << mark_shift) - 1;
 inline constexpr Word mark_in = Word{1} << mark_shift;   // in the conflict zone, or open
-inline constexpr Word mark_out = Word{2} << mark_shift;  // asked, and not so
+inline constexpr Word mark_out = Word{2} << mark_shift;  // asked; not in the conflict zone, or not open
 inline constexpr Word vertices_max = vertex_mask - 1;
 inline constexpr Word dead_vertex = vertex_mask;  // v[0] of a slot without a cell
 
-// The infinite vertex is always v[3]: facet_of keeps it last.
+// A tetrahedron. The infinite vertex is always v[3]; the permutations of facet_of keep it last.
 struct alignas(32) Cell {
   static constexpr int dimension = 3;
   static constexpr Word corners = 4;
@@ -40,7 +40,7 @@ struct alignas(32) Cell {
 };
 static_assert(sizeof(Cell) == 32);
 
-// The cell a neighbour word names, with its facet: spares shifting down and up again.
+// The cell that the neighbour word `facet` names. Masking the word saves shifting it down and up again.
 inline Cell& cell_at(Cell* cells, Word facet) {
   return *reinterpret_cast<Cell*>(reinterpret_cast<std::byte*>(cells) + std::size_t{facet & ~Word{3}} * 8);
 }

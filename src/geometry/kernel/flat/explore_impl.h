@@ -1,4 +1,4 @@
-// Going through the cells: lists, exploration and freezing.
+// Functions that go through all cells: lists of cells, exploration and freezing.
 #pragma once
 
 #include <algorithm>
@@ -12,12 +12,12 @@
 
 namespace tessera::flat {
 
-// For each slot, how many before it are set: a bit a slot, and a count for every 64 of them.
+// A set of slots that tells how many members lie before a slot. It takes one bit a slot, and one count for 64 slots.
 class Ranks {
  public:
   explicit Ranks(std::size_t slots) : bits_(slots / 64 + 1), before_(bits_.size() + 1) {}
   void set(Word slot) { bits_[slot / 64] |= std::uint64_t{1} << slot % 64; }
-  // To be called once all are set.
+  // Computes the counts. To be called after the last set().
   void count() {
     for (std::size_t w = 0; w < bits_.size(); ++w) before_[w + 1] = before_[w] + ones(bits_[w]);
   }
@@ -34,7 +34,8 @@ class Ranks {
   std::vector<Word> before_;
 };
 
-// Counting bits is one instruction where there is one; a compiler that may not take it for granted calls a function.
+// Runs `work` with the processor's instruction for counting bits if it has one. Without the target attribute the
+// compiler may not use the instruction and calls a function.
 #if defined(__x86_64__)
 template <class Do>
 [[gnu::target("popcnt")]] void with_popcnt(const Do& work) {
@@ -49,8 +50,8 @@ void counting_fast(const Do& work) {
   work();
 }
 
-// One pass in the order of the slots: the cells around an edge lie near each other there, so a small table of the last
-// edges spares most of the visits that would repeat one.
+// Goes once through the slots in order. Cells around an edge lie near each other in this order. So a small table of the
+// last edges avoids most repeated visits.
 template <class Mesh>
 void FlatKernel<Mesh>::edges_from(Vertex first, const std::function<void(Vertex, Vertex)>& visit) const {
   constexpr int table_bits = 12;
@@ -122,7 +123,7 @@ std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Ver
     c.mark(!labels || !is_final(c.v));
     seen.push_back(slot);
   };
-  std::vector<Word> around, first;  // all of them before any is marked: marks stop the walk around a vertex
+  std::vector<Word> around, first;  // all cells, before one is marked: marks would stop the walk around a vertex
   for (Vertex v = 0; v <= vertices(); ++v) {
     if (is_local(v) || !alive(v)) continue;
     mesh_.around(v, around);
@@ -161,7 +162,7 @@ std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Ver
   return found;
 }
 
-// Which of these cells were marked as open, of those `seen`: their marks go.
+// Returns which of the cells `seen` are marked as open, and removes all their marks.
 template <class Cell>
 Ranks take_open(const std::vector<Word>& seen, Array<Cell>& cells) {
   Ranks open(cells.size());
@@ -173,7 +174,7 @@ Ranks take_open(const std::vector<Word>& seen, Array<Cell>& cells) {
   return open;
 }
 
-// Room for so many cells, and for as many more as foreign points bring.
+// An array of `cells` cells with address space for the cells that foreign points will add.
 template <class Cell>
 Array<Cell> room_for(Word cells) {
   Array<Cell> room;
@@ -182,8 +183,8 @@ Array<Cell> room_for(Word cells) {
   return room;
 }
 
-// One pass in the order of the slots: a bit a cell and their ranks tell every cell's new number, so no cell needs to be
-// read twice, and final ones stay in the array that they are in.
+// Goes once through the slots in order. A bit for each cell and the ranks of the bits give every cell's new number. So
+// no cell is read twice, and final cells stay in the array in which they are.
 template <class Mesh>
 FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is_final) {
   check(full() && mesh_.frozen() == 0, "a kernel is frozen once");
@@ -219,8 +220,8 @@ FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is
   return {old.template take_as<CellRow>(), open.all()};
 }
 
-// Final cells are read once, in the order of the slots, and nothing of them is written: no slot is filled or renumbered
-// but those of the cells that stay.
+// Reads final cells once, in the order of the slots, and writes nothing to them. Only the cells that stay are copied
+// and renumbered.
 template <class Mesh>
 std::uint64_t FlatKernel<Mesh>::discard(const std::function<bool(const Vertex*)>& is_final, const TakeVertices& told) {
   check(full() && mesh_.frozen() == 0, "a kernel is frozen once");

@@ -1,4 +1,4 @@
-// Our own kernels, on flat arrays (docs/kernel.md).
+// Tessera's own kernels, on flat arrays (docs/kernel.md).
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,11 @@
 
 namespace tessera {
 
-// For tests: what other machines have, and tiles that are too large.
+// Options for tests: kernels as on other machines, and kernels that are full early.
 struct FlatOptions {
-  bool vectors = true;  // use vector instructions, in 3D, where the processor has them
-  std::uint32_t vertices_max = ~std::uint32_t{0}, cells_max = ~std::uint32_t{0};  // at most what indices can number
+  bool vectors = true;  // use vector instructions in 3D where the processor has them
+  // A limit above what indices can number has no effect.
+  std::uint32_t vertices_max = ~std::uint32_t{0}, cells_max = ~std::uint32_t{0};
 };
 
 std::unique_ptr<Kernel> make_flat_kernel_2(const FlatOptions& options = {});

@@ -1,5 +1,5 @@
-// The flat kernels: a mesh, the labels of its vertices, and what there is while the points do not span the space. For
-// flat_kernel_2.cc and flat_kernel_3.cc, which instantiate it.
+// The flat kernels. A FlatKernel has a mesh and the labels of its vertices, and handles points that do not span space
+// yet. flat_kernel_2.cc and flat_kernel_3.cc include this file and instantiate the class.
 #pragma once
 
 #include <algorithm>
@@ -47,22 +47,23 @@ class FlatKernel final : public Kernel {
  private:
   using Cell = typename Mesh::Cell;
   static constexpr Word corners = Mesh::corners;
-  static constexpr std::uint32_t inserts_a_look = 4096;  // about a hundredth of a second
+  static constexpr std::uint32_t inserts_a_look = 4096;  // between two looks at `stop`: some 0.01 s
   static constexpr std::uint8_t is_local_bit = 1, alive_bit = 2;
 
   bool full() const { return dimension() == max_dimension(); }
   void reset();
   Vertex add(const Point& p, bool local);
-  // Until the simplex is complete, what the vertices alive span.
+  // Computes what the living vertices span, until the first simplex is complete.
   void span();
-  // The triangulation of all vertices alive. REQUIRES: full(), no cells.
+  // Triangulates all living vertices. REQUIRES: full(), no cells.
   void triangulate(const std::stop_token& stop);
   Insertion insert_flat(const Point& p, bool local, std::vector<Vertex>& around);
-  // Marks the cells that explore() returns as open, and those that were asked and are final; returns both.
+  // Marks cells: as open those that explore() returns, as final those that were asked and are final. Returns the slots
+  // of both.
   std::vector<Word> mark_open(const std::function<bool(const Vertex*)>& is_final);
 
   Mesh mesh_;
-  std::vector<std::uint8_t> labels_;  // by vertex; [0] is the infinite vertex: alive, not local
+  std::vector<std::uint8_t> labels_;  // by vertex; [0] is the infinite vertex: alive and not local
 };
 
 template <class Mesh>
@@ -133,7 +134,8 @@ Insertion FlatKernel<Mesh>::insert(const Point& p, bool local, InsertMode mode, 
   const Located found = mesh_.locate(p);
   if (found.same != 0) return {found.same, false};
   mesh_.find_zone(p, found.cell);
-  // Every vertex of a conflict zone is on its boundary, so these are the neighbours of the point once it is inserted.
+  // Every vertex of a conflict zone lies on the zone's boundary. So these are the neighbours of the point once it is
+  // inserted.
   mesh_.zone_into(around);
   if (mode == InsertMode::if_local_neighbour &&
       std::none_of(around.begin(), around.end(), [&](Vertex v) { return is_local(v); })) {

@@ -1,4 +1,4 @@
-// Saving and loading. An image may come from another kernel: the infinite vertex can be anywhere in its cells.
+// Saving and loading. An image may come from another kernel, so the infinite vertex may be anywhere in a cell.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,8 @@ bool in_range(const KernelImage& image, const Mesh& mesh) {
   });
 }
 
-// Cells with the infinite vertex last and neighbours that name facets. False if they cannot be a triangulation.
+// Fills `cells` with the cells of the list, with the infinite vertex last and neighbours that name facets. Returns
+// false if the cells cannot be a triangulation.
 template <class Cell>
 bool read_cells(const CellList& list, Array<Cell>& cells) {
   constexpr Word corners = Cell::corners;

@@ -1,5 +1,6 @@
-// Arrays of the flat kernels, which grow in place: address space is reserved first and filled as it is touched, so
-// growing copies nothing and never holds the old and the new array at once.
+// Arrays that grow in place, for the flat kernels. An array reserves address space first, which the system fills with
+// memory where the array is touched. So growing copies nothing, and the old and the new array are never in memory
+// together.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +11,7 @@
 
 namespace tessera::flat {
 
-// A vector of plain data without initialisation. Elements must not be read before they are written.
+// A vector of plain data. New elements are not initialised: an element must be written before it is read.
 template <class T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -31,11 +32,11 @@ class Array {
   const T& operator[](std::size_t i) const { return data()[i]; }
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return size_ * sizeof(T); }
-  // What has been used since the last trim, and so has pages.
+  // The bytes that have been used since the last trim(), and so have pages.
   std::size_t touched() const { return high_ * sizeof(T); }
   std::size_t capacity() const { return mapping_.reserved / sizeof(T); }
 
-  // Address space for n elements: costs no memory until they are touched.
+  // Reserves address space for n elements, which costs no memory until they are touched.
   void reserve(std::size_t n) {
     if (n <= capacity()) return;
     if (mapping_.at) {
@@ -44,7 +45,7 @@ class Array {
       mapping_ = map_memory(n * sizeof(T));
     }
   }
-  // New elements are undefined.
+  // Sets the size to n. New elements are undefined.
   void resize(std::size_t n) {
     if (n > capacity()) reserve(n + n / 2 + 64);
     size_ = n;
@@ -54,7 +55,7 @@ class Array {
     resize(size_ + 1);
     data()[size_ - 1] = value;
   }
-  // The same bytes as elements of another kind; this array is empty afterwards.
+  // Moves the same bytes into an array of another element type. This array is empty afterwards.
   template <class U>
   Array<U> take_as() {
     static_assert(sizeof(U) == sizeof(T) && alignof(U) <= alignof(T));
@@ -64,7 +65,7 @@ class Array {
     std::swap(other.high_, high_);
     return other;
   }
-  // Gives back what lies behind the last element.
+  // Gives back the memory behind the last element.
   void trim() {
     shrink_mapping(mapping_, bytes(), high_ * sizeof(T));
     high_ = size_;
@@ -88,7 +89,7 @@ class Array {
   std::size_t high_ = 0;  // the largest size since the last trim
 };
 
-// Empties vectors and gives their memory back, which clear() and `= {}` keep.
+// Empties vectors and gives back their memory, which clear() and `= {}` would keep.
 template <class... Vectors>
 void release(Vectors&... vectors) {
   ((vectors = Vectors()), ...);

@@ -1,25 +1,25 @@
 // What the triangulations of the flat kernels, flat2::Mesh and flat3::Mesh, have in common: points, slots with cells,
-// the simplex they begin with, insertion and removal in terms of what each does in its own way. Knows nothing of
-// labels. Properties, between any two calls:
-//  (1) The cells are the perturbed Delaunay triangulation of the vertices, infinite cells included, without those that
-//      were frozen.
+// the first simplex, and insertion and removal in terms of functions that each Mesh defines. A mesh knows no labels.
+// Properties between any two calls:
+//  (1) The cells are the perturbed Delaunay triangulation of the vertices, infinite cells included, without the frozen
+//      cells.
 //  (2) No cell is marked.
-// The insertion is Bowyer's and Watson's: walk to a cell in conflict, collect the connected conflict zone, put the
-// cells that join its boundary to the point into its slots.
+// Insertion is the algorithm of Bowyer and Watson: walk to a cell in conflict with the point, collect the connected
+// conflict zone, and replace the zone by cells that join its boundary to the point.
 //
-// A Mesh has besides:
-//   add(p)                  one more point, and its number
+// A Mesh also has:
+//   add(p)                  adds a point and returns its number
 //   spans_more(p)           whether p is affinely independent of the simplex so far
-//   positive(simplex)       the orientation of d + 1 vertices
-//   walk(p, slot, found)    false if frozen cells blocked the way on every side that faces p
+//   positive(simplex)       whether d + 1 vertices are positively oriented
+//   walk(p, slot, found)    locates p from slot; false if frozen cells block every side that faces p
 //   conflicts(p, slot)      whether p is in conflict with a cell, which may be marked: exact and perturbed
-//   find_zone(p, slot)      collects the conflict zone of p from a cell in it; to be followed by fill() or leave()
+//   find_zone(p, slot)      collects the conflict zone of p from a cell in it; fill() or leave() must follow
 //   zone_size(), zone_cell(i), zone_into(vertices)   the cells of the zone; its finite vertices, each once
-//   fill(v)                 joins the zone's boundary to v, whose zone it is
-//   leave()                 forgets the zone; the next walk starts here
-//   around(v, found)        the cells around v, none of them frozen
-//   neighbours_into(v, vertices)   the finite vertices of those cells but v, each once
-//   release_scratch()       gives back what find_zone() and fill() have grown; the zone is forgotten
+//   fill(v)                 replaces the zone by cells that join its boundary to v; v is the point of the zone
+//   leave()                 forgets the zone; the next walk starts there
+//   around(v, found)        the cells around v; none of them may be frozen
+//   neighbours_into(v, vertices)   the finite vertices of those cells except v, each once
+//   release_scratch()       gives back the scratch memory of find_zone() and fill(), and forgets the zone
 //   memory()                bytes on the heap
 #pragma once
 
@@ -47,30 +47,31 @@ class MeshBase {
   Points points;
   Array<Cell> cells;
 
-  // No cells, no simplex; the points stay.
+  // Removes the cells and the simplex, and keeps the points.
   void drop_cells();
-  // -1: no vertex; 0: one; 1: all collinear so far, and so on: how many vertices the simplex has, less one.
+  // The number of vertices of the simplex, less one. -1: no vertex. 0: one. 1: all are collinear so far, and so on.
   int spanned() const { return spanned_; }
-  // Takes v into the simplex, if it spans more with it.
+  // Adds v to the simplex if the simplex then spans more.
   void span_more(Vertex v);
   bool in_simplex(Vertex v) const;
-  // The cells of the simplex. REQUIRES: spanned() == dimension, no cells.
+  // Makes the cells of the simplex. REQUIRES: spanned() == dimension, no cells.
   void start();
 
-  // Where p is. Ends at a cell in conflict with p, unless p is there already. REQUIRES: there are cells.
+  // Finds a cell in conflict with p, or the vertex at p. REQUIRES: there are cells.
   Located locate(const Point& p) const;
-  // Locates, finds and fills, for a point that is not there yet and is vertex v.
+  // Inserts vertex v, the point of which is already in `points`.
   void insert(Vertex v);
-  // Takes a vertex out. False, and nothing is changed, if the others span less. REQUIRES: none of its cells or of their
-  // neighbours is frozen.
+  // Removes a vertex. Returns false and changes nothing if the other vertices span less. REQUIRES: none of the vertex's
+  // cells and of their neighbours is frozen.
   bool remove(Vertex v);
 
-  // The cells, which leave the mesh until others come by adopt().
+  // Moves the cells out of the mesh. adopt() must follow.
   Array<Cell> take_cells();
-  // Other cells of the same vertices, without the `frozen` ones that have been handed out.
+  // Replaces the cells by `others`, cells of the same vertices. `frozen` is the number of cells that were handed out
+  // and are not in `others`.
   void adopt(Array<Cell> others, Word frozen);
   Word frozen() const { return frozen_; }
-  // Moves the last cells into free slots, so that there are none. Slot numbers change.
+  // Moves the last cells into the free slots. No slot is free afterwards. Slot numbers change.
   void compact();
   Word most_cells() const { return cells_max_; }
   std::size_t live_cells() const { return cells.size() - free_.size(); }
@@ -81,35 +82,36 @@ class MeshBase {
       : points(std::min(options.vertices_max, vertices_max)), cells_max_(std::min(options.cells_max, cells_max)) {}
   const Point& corner(std::size_t i) const { return points[simplex_[i]]; }
   Word new_slot();
-  // To be called before a zone is collected and after, with its number of cells: a zone of unusual size leaves scratch
-  // of its size, which goes when some usual ones have followed. Where all are large it stays.
+  // before_zone() is called before a zone is collected, and after_zone() afterwards with the number of its cells. An
+  // unusually large zone leaves scratch memory of its size. The mesh releases this memory after some zones of usual
+  // size. While large zones keep coming the memory stays.
   void before_zone();
   void after_zone(std::size_t size) {
     if (size > usual_zone) [[unlikely]]
       usual_left_ = usual_zones;
   }
-  // A cell around v, which is alive.
+  // Returns a cell around v. REQUIRES: v is alive.
   Word incident(Vertex v) const;
   std::size_t base_memory() const;
 
-  Word cells_max_;     // more than so many: KernelFull
-  Corners simplex_{};  // spanned_ + 1 vertices; their points stay known when they are removed
+  Word cells_max_;     // KernelFull is thrown beyond so many cells
+  Corners simplex_{};  // spanned_ + 1 vertices; points of removed vertices stay known
   int spanned_ = -1;
   std::vector<Word> free_;  // slots without a cell
-  Word frozen_ = 0;         // cells that are gone
-  mutable Word last_ = 0;   // where the last insertion was, or a vertex was last asked for: the next is near
+  Word frozen_ = 0;         // the number of frozen cells
+  mutable Word last_ = 0;  // a cell of the last insertion or the last vertex asked for; the next point is probably near
   static constexpr Vertex none = ~Vertex{0};
-  Vertex newest_ = none;                           // what was inserted last, if nothing has changed since
-  static constexpr std::size_t usual_zone = 4096;  // cells, at most; a zone of uniform points has 21
+  Vertex newest_ = none;                           // the vertex that was inserted last, if nothing has changed since
+  static constexpr std::size_t usual_zone = 4096;  // cells; a larger zone is unusual; a zone of uniform points has 21
 
  private:
   Mesh& self() { return static_cast<Mesh&>(*this); }
   const Mesh& self() const { return static_cast<const Mesh&>(*this); }
   static constexpr Word usual_zones = 64;
-  Word usual_left_ = 0;  // zones until scratch is released, or 0
+  Word usual_left_ = 0;  // zones until scratch is released; 0: nothing to release
 
-  mutable NearbyCells<Cell::dimension> nearby_;  // of those there were when it was last asked with twice as many
-  mutable std::size_t nearby_of_ = 0;            // so many cells
+  mutable NearbyCells<Cell::dimension> nearby_;  // a sample of the cells
+  mutable std::size_t nearby_of_ = 0;            // cells when the sample was made; at twice as many it is made again
 
   std::vector<Word> nearby(const Point& p) const;
   Located search(const Point& p, const std::vector<Word>& starts) const;

@@ -26,7 +26,7 @@ bool Mesh::conflicts_with_hull(const Point& p, const Cell& t) const {
   const Word i = t.v[1] == infinite_vertex ? 1 : 2;
   const Point &a = point(t.v[next_of[i]]), &b = point(t.v[before[i]]);
   if (const int side = exact::orientation_2(a, b, p); side != 0) return side > 0;
-  // On the line of a hull edge: in conflict strictly between its ends.
+  // On the line of a hull edge a point is in conflict strictly between the ends of the edge.
   const bool by_x = a.x != b.x;
   const double from = by_x ? a.x : a.y, to = by_x ? b.x : b.y, at = by_x ? p.x : p.y;
   return (from < at && at < to) || (to < at && at < from);
@@ -39,9 +39,10 @@ bool Mesh::conflicts(const Point& p, Word slot) const {
   return exact::in_circle_perturbed_2(point(t.v[0]), point(t.v[1]), point(t.v[2]), p) > 0;
 }
 
-// In 2D a conflict zone has no vertex inside, so its triangles and their common edges are a tree: none is met twice,
-// and going through it depth first, counterclockwise, gives the boundary in order. Both edges of a triangle are asked
-// before either answer is used: answers cannot be foreseen, and so two are waited for at once.
+// In 2D a conflict zone has no vertex inside. So its triangles and their common edges form a tree, and no triangle is
+// met twice. Going through the tree depth first, counterclockwise, gives the boundary in order. Both edges of a
+// triangle are asked before either answer is used: the processor cannot predict the answers, and so it waits for both
+// at once.
 void Mesh::find_zone(const Point& query, Word start) {
   const Point p = query;
   before_zone();
@@ -61,7 +62,7 @@ void Mesh::find_zone(const Point& query, Word start) {
     const double x = at[v].x - p.x, y = at[v].y - p.y;
     c.x = x, c.y = y, c.lift = x * x + y * y;
   };
-  // Puts the edge from a to b on the stack, with the answer whether the triangle across it is in conflict.
+  // Puts the edge from a to b on the stack, and computes whether the triangle across it is in conflict.
   const auto ask = [&](Word across, Word a_index, Word b_index) __attribute__((always_inline)) {
     Pending& edge = pending[size++];
     edge.across = across, edge.a = a_index, edge.b = b_index, edge.c = near_size;
@@ -69,14 +70,14 @@ void Mesh::find_zone(const Point& query, Word start) {
       edge.in_conflict = false;
       return;
     }
-    const Cell& t = all[across >> 2];  // (c, b, a)
+    const Cell& t = all[across >> 2];  // t has the corners c, b, a
     const Near &a = near[a_index], &b = near[b_index], &c = near[near_size];
     add_near(t.v[across & 3]);
     if (c.v == infinite_vertex || a.v == infinite_vertex || b.v == infinite_vertex) [[unlikely]] {
       edge.in_conflict = conflicts_with_hull(p, t);
       return;
     }
-    // As exact::filter::in_circle_2, with the largest lift in place of the product of the largest x and y.
+    // The filter is exact::filter::in_circle_2 with the largest lift in place of the product of the largest x and y.
     const double det =
         a.lift * (c.x * b.y - b.x * c.y) + c.lift * (b.x * a.y - a.x * b.y) + b.lift * (a.x * c.y - c.x * a.y);
     const double lift = std::max(std::max(a.lift, b.lift), c.lift);
@@ -96,14 +97,14 @@ void Mesh::find_zone(const Point& query, Word start) {
   ask(first.n[2], 0, 1);
   while (size > 0) {
     const Pending& edge = pending[--size];
-    const Word across = edge.across, a = edge.a, b = edge.b, c = edge.c;  // one by one: they were just stored like that
+    const Word across = edge.across, a = edge.a, b = edge.b, c = edge.c;  // read one by one, as they were just stored
     if (!edge.in_conflict) {
       boundary_[boundary_size++] = {across, near[a].v};
       continue;
     }
     const Word slot = across >> 2, i = across & 3;
     zone_[zone_size++] = slot;
-    if (near_size + 4 > near_.size()) [[unlikely]] {  // bounds all the others
+    if (near_size + 4 > near_.size()) [[unlikely]] {  // the size of near_ bounds the sizes of the other arrays
       const std::size_t n = 2 * near_.size();
       near_.resize(n), pending_.resize(n), boundary_.resize(n), zone_.resize(n);
       near = near_.data(), pending = pending_.data();
@@ -117,7 +118,7 @@ void Mesh::find_zone(const Point& query, Word start) {
   after_zone(zone_size);
 }
 
-// A boundary of k edges encloses k - 2 triangles and takes k new ones: (v, from, from of the next edge).
+// A boundary of k edges encloses k - 2 triangles. The fill has k triangles: (v, from, from of the next edge).
 void Mesh::fill(Vertex v) {
   const std::size_t k = boundary_size_;
   zone_[k - 2] = new_slot();
@@ -156,7 +157,7 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
   } while (slot != first);
 }
 
-// Each triangle around v has one that none before it had: where the way to the next leads away from.
+// Each triangle around v adds one neighbour: the vertex opposite the edge across which the next triangle lies.
 void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
   const Word first = incident(v);
   Word slot = first;

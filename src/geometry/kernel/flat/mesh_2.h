@@ -1,4 +1,4 @@
-// The triangulation of the flat kernel in 2D: see mesh.h. Its cells are triangles, its facets edges.
+// The triangulation of the flat kernel in 2D: see mesh.h. Cells are triangles, facets are edges.
 #pragma once
 
 #include <vector>
@@ -11,17 +11,18 @@ namespace tessera::flat2 {
 class Mesh : public flat::MeshBase<Mesh, Cell> {
  public:
   static constexpr std::size_t cells_a_vertex = 2;
-  // In the plane walks are short even in sparse rounds, so few rounds do: 32 times is 7 % faster than 8 times.
+  // In the plane walks are short even in sparse rounds, so few rounds suffice. A factor of 32 between rounds is 7 %
+  // faster than a factor of 8.
   static constexpr int brio_bits = 5;
 
   explicit Mesh(const FlatOptions& options = {}) : MeshBase(options, vertices_max) {}
-  // Borrowed points are read where they are, until one is added.
+  // Borrowed points are read where the caller keeps them. The first add() copies them.
   Vertex add(const Point& p);
   bool spans_more(const Point& p) const;
   bool positive(const Corners& v) const;
   bool walk(const Point& p, Word slot, Located& found) const;
   bool conflicts(const Point& p, Word slot) const;
-  // The zone's boundary is in counterclockwise order.
+  // Lists the zone's boundary in counterclockwise order.
   void find_zone(const Point& p, Word start);
   std::size_t zone_size() const { return zone_size_; }
   Word zone_cell(std::size_t i) const { return zone_[i]; }
@@ -34,27 +35,28 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   std::size_t memory() const;
 
  private:
+  // An edge of the zone's boundary. It ends where the next edge begins.
   struct Edge {
     Word across;
     Vertex from;
   };
-  struct Near {  // a vertex of the zone or next to it, relative to the new point
+  struct Near {  // a vertex of the zone or next to it, with coordinates relative to the new point
     double x, y, lift;
     Vertex v;
   };
-  struct Pending {  // an edge of the zone found so far, from a to b, with the vertex c beyond; indices in near_
+  struct Pending {  // an edge a to b of the zone so far, and the vertex c beyond; a, b, c are indices in near_
     Word across;
     Word a, b, c;
-    bool in_conflict;  // the triangle beyond
+    bool in_conflict;  // whether the triangle beyond is in conflict
   };
-  // The points are in one piece: see add().
+  // All points are in one piece: see add().
   const Point& point(Vertex v) const { return points.first()[v]; }
   bool conflicts_with_hull(const Point& p, const Cell& t) const;
 
-  std::vector<Word> zone_;      // [0, zone_size_): the triangles in conflict
-  std::vector<Edge> boundary_;  // [0, boundary_size_): of the zone
+  std::vector<Word> zone_;      // [0, zone_size_) are the triangles in conflict
+  std::vector<Edge> boundary_;  // [0, boundary_size_) are the edges around the zone
   std::size_t zone_size_ = 0, boundary_size_ = 0;
-  std::vector<Pending> pending_;  // scratch of find_zone, as the next
+  std::vector<Pending> pending_;  // scratch of find_zone(), like near_
   std::vector<Near> near_;
 };
 

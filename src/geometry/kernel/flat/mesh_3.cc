@@ -10,7 +10,7 @@
 
 namespace tessera::flat3 {
 
-// A call that ended with KernelFull may have left numbers behind.
+// A call that ended with KernelFull may have left numbers that are not 0.
 void Mesh::drop_cells() {
   MeshBase::drop_cells();
   number_.clear();
@@ -31,10 +31,11 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
   const Vertex v0 = c.v[0] & vertex_mask;
   const Point &a = points[v0], &b = points[c.v[1]], &d = points[c.v[2]];
   if (!c.infinite()) return exact::in_sphere_perturbed_3(a, b, d, points[c.v[3]], p) > 0;
-  const int side = orientation_3(p, a, b, d);  // positive: on the side of the hull
+  const int side = orientation_3(p, a, b, d);  // positive: p is on the side of the hull
   if (side != 0) return side < 0;
-  // In the plane of the facet the circle decides, with the same perturbation. It is where any sphere through the facet
-  // meets the plane, and the fourth point of the sphere never decides a tie: with p in its place nothing is spanned.
+  // In the plane of the facet the facet's circle decides, with the same perturbation. Any sphere through the facet
+  // meets the plane in this circle. The fourth point of the sphere never decides a tie: with p in its place the
+  // determinant is zero.
   for (const Vertex s : simplex_) {
     const Point& apex = points[s];
     const int up = orientation_3(apex, a, b, d);
@@ -44,8 +45,8 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
   throw Unsound("the first four vertices do not span the space");
 }
 
-// The slots of the zone first: they are in the cache. What is left of them is freed, and only that: free slots may be
-// many, and have been for long.
+// New cells take the slots of the zone first, because these are in the cache. Only the remaining slots of the zone are
+// freed. The list of free slots is never scanned, because an earlier large zone may have freed very many.
 void Mesh::take_slots(Word facets) {
   const Word zone_cells = static_cast<Word>(zone_size_);
   if (slots_.size() < facets) slots_.resize(2 * facets);
@@ -80,7 +81,7 @@ void Mesh::fill(Vertex v) {
   newest_ = v;
 }
 
-// The cell over a facet of the boundary, and the way to it from outside.
+// Writes the new cell over a facet of the boundary, and makes the cell outside name it.
 inline void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
   Cell& cell = all[slot];
   const Word a = facet.v[0], b = facet.v[1], c = facet.v[2], across = facet.across;
@@ -96,8 +97,8 @@ inline void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
   outside.n[across & 3] = 4 * slot;
 }
 
-// Each directed edge of the boundary names the facet of the new cell over it; the cell over the reversed edge is its
-// neighbour.
+// The table gives, for each directed edge of the boundary, the facet of the new cell over that edge. The neighbour
+// across is the cell over the reversed edge.
 void Mesh::link_small(Word count, Vertex v) {
   Cell* const all = cells.data();
   const Facet* const facets = facets_.data();
@@ -123,7 +124,7 @@ void Mesh::link_small(Word count, Vertex v) {
 void Mesh::link_large(Word facets, Vertex vertex) {
   for (Word f = 0; f < facets; ++f) put(cells.data(), slots_[f], facets_[f], vertex);
   std::size_t size = 1024;
-  // 3 edges a facet; where they are many, memory counts more than a few steps of the search.
+  // There are 3 edges a facet. For a large zone a small table matters more than a few steps of the search.
   while (size < (zone_size_ > usual_zone ? 4 : 6) * std::size_t{facets}) size *= 2;
   edges_.assign(size, {0, 0});
   const auto find = [&](Word from, Word to) -> Edge& {
@@ -131,7 +132,7 @@ void Mesh::link_large(Word facets, Vertex vertex) {
     std::size_t i = (key * 0x9e3779b97f4a7c15u ^ key >> 29) * 0xbf58476d1ce4e5b9u >> 32;
     for (i &= size - 1; edges_[i].key != 0 && edges_[i].key != key; i = (i + 1) & (size - 1)) {
     }
-    edges_[i].key = key;  // never 0: only one of the two is the infinite vertex
+    edges_[i].key = key;  // never 0, because at most one end is the infinite vertex
     return edges_[i];
   };
   for (Word f = 0; f < facets; ++f) {
@@ -160,7 +161,7 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
     return;
   }
   found.assign(1, incident(v));
-  // Marks are for the time of this call only: a const mesh looks the same before and after.
+  // Marks last for this call only: a const mesh looks the same before and after.
   Cell* const all = const_cast<Cell*>(cells.data());
   all[found[0]].v[0] |= mark_in;
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -176,7 +177,7 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
   for (const Word slot : found) all[slot].v[0] &= vertex_mask;
 }
 
-// A cell reached through a facet has one vertex that the one before it has not.
+// A cell that is reached through a facet has exactly one vertex that the cell before it lacks.
 void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
   reserve_numbers();
   std::uint8_t* const number = number_.data();
@@ -185,7 +186,7 @@ void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
     number[w] = 1;
   };
   number[v] = number[infinite_vertex] = 1;
-  // As in around(): a const mesh looks the same before and after.
+  // As in around(), marks last for this call only.
   Cell* const all = const_cast<Cell*>(cells.data());
   around_.assign(1, incident(v));
   for (Word i = 0; i < 4; ++i) meet(all[around_[0]].v[i]);

@@ -1,4 +1,4 @@
-// The triangulation of the flat kernel in 3D: see mesh.h. Between two calls, no vertex has a local number.
+// The triangulation of the flat kernel in 3D: see mesh.h. Between two calls every entry of number_ is 0.
 #pragma once
 
 #include <array>
@@ -35,22 +35,24 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   std::size_t memory() const;
 
  private:
-  struct Facet {  // of the zone's boundary: the cell to be is (p, v[0], v[1], v[2])
+  struct Facet {  // of the zone's boundary; its new cell is (p, v[0], v[1], v[2])
     Word v[3];
     Word across;
-    Word number[4];  // of the three, as in number_
+    Word number[4];  // the numbers of the three vertices, as in number_
   };
+  // An entry of the hash table of directed edges.
   struct Edge {
-    std::uint64_t key;  // from << 32 | to, or 0
+    std::uint64_t key;  // from << 32 | to; 0: a free entry
     Word facet;
   };
+  // A position of a walk.
   struct Step {
     Word slot;
-    Word from;  // the facet come through, 8 at the start
+    Word from;  // the facet through which the walk came; 8 at the start
     bool arrived;
   };
   Step walk_surely(const Point& p, Step step) const;
-  // The vertices of the zone, each once, the infinite one included.
+  // The vertices of the zone, each once, including the infinite vertex.
   std::span<const Vertex> zone_vertices() const { return {zone_vertices_.data(), zone_vertices_size_}; }
   static void put(Cell* all, Word slot, const Facet& facet, Vertex v);
   void link_small(Word facets, Vertex v);
@@ -60,20 +62,21 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
 
   friend struct ZoneCode;  // zone_3.cc
 
-  std::vector<Word> zone_;     // [0, zone_size_): cells in conflict, each with the facet it was reached through
-  std::vector<Word> pending_;  // cells to be asked, in the order they were met
-  std::vector<Facet> facets_;  // [0, facets_size_): the zone's boundary
+  std::vector<Word> zone_;     // [0, zone_size_): cells in conflict, each with the facet through which it was reached
+  std::vector<Word> pending_;  // cells to be asked, in the order in which they were met
+  std::vector<Facet> facets_;  // [0, facets_size_) are the facets around the zone
   std::size_t zone_size_ = 0, facets_size_ = 0, zone_vertices_size_ = 0;
-  std::vector<Word> slots_;            // of the new cells, by facet
-  std::vector<Vertex> zone_vertices_;  // [0, zone_vertices_size_)
-  // By vertex: 1.. (255 at most) while it is in zone_vertices_, or one call lists it, else 0.
+  std::vector<Word> slots_;            // the slots of the new cells, by facet
+  std::vector<Vertex> zone_vertices_;  // [0, zone_vertices_size_) are in use
+  // By vertex: 1 to 255 while the vertex is in zone_vertices_ or one call lists it, else 0. Vertices from the 255th on
+  // share 255.
   mutable std::vector<std::uint8_t> number_;
-  mutable std::vector<Word> around_;  // scratch of neighbours_into
-  std::vector<Edge> edges_;           // hash table of a large boundary
+  mutable std::vector<Word> around_;  // scratch of neighbours_into()
+  std::vector<Edge> edges_;           // the hash table of a large boundary
   bool vectors_;
-  mutable std::uint32_t turn_ = 0;  // of walks
+  mutable std::uint32_t turn_ = 0;  // a counter that varies the facet with which a walk begins
   static constexpr std::size_t small = 64;
-  alignas(64) std::array<Word, small * small> table_;  // by directed edge of a small boundary, in local numbers
+  alignas(64) std::array<Word, small * small> table_;  // by directed edge of a small boundary, in numbers of number_
 };
 
 }  // namespace tessera::flat3

@@ -1,4 +1,4 @@
-// For mesh_2.cc and mesh_3.cc, which instantiate it.
+// Functions of MeshBase. mesh_2.cc and mesh_3.cc include this file and instantiate them.
 #pragma once
 
 #include <algorithm>
@@ -36,13 +36,15 @@ template <class Mesh, class Cell>
 void MeshBase<Mesh, Cell>::start() {
   check(spanned_ == dimension && cells.size() == 0, "a triangulation starts with a simplex");
   if (!self().positive(simplex_)) std::swap(simplex_[0], simplex_[1]);
-  // Points from outside come later, near the boundary of these: room for them spares moving all.
+  // Foreign points come later, near the boundary of these points. Reserving space for their cells avoids moving all
+  // cells.
   const double n = static_cast<double>(points.size());
   const double outside = 8 * (dimension == 3 ? std::cbrt(n) * std::cbrt(n) : std::sqrt(n));
   cells.reserve(Mesh::cells_a_vertex * (std::size_t{points.size()} + static_cast<std::size_t>(outside)) + 64);
   cells.resize(corners + 1);
   cells[0].set(simplex_.data());
-  // With the corner that is inside in front of a facet the cell is positive; so it is with the infinite vertex behind.
+  // A facet and the inner corner in front of it make a positive cell. So do the facet and the infinite vertex behind
+  // it.
   for (Word i = 0; i < corners; ++i) {
     Corners outer{};
     for (std::size_t k = 0; k + 1 < corners; ++k) outer[k] = simplex_[Cell::facet_of[i][k]];
@@ -87,7 +89,7 @@ Word MeshBase<Mesh, Cell>::new_slot() {
   return static_cast<Word>(cells.size() - 1);
 }
 
-// Asked for one that is near the one before, or near the one that came last, most times.
+// Most calls ask for a vertex near the vertex asked before, or near the newest vertex. So last_ is tried first.
 template <class Mesh, class Cell>
 Word MeshBase<Mesh, Cell>::incident(Vertex v) const {
   const auto has_v = [&](Word slot) {

@@ -1,5 +1,5 @@
-// Some of the cells by place, as a k-d tree: where to begin when a hole of frozen cells is in the way of a walk. It may
-// be out of date: a slot can have become free, or have got a cell elsewhere. That costs time only.
+// A sample of the cells as a k-d tree. A walk that is blocked by a hole of frozen cells begins again at a cell of the
+// sample. The sample may be out of date: a slot may have become free, or hold a cell elsewhere. That costs only time.
 #pragma once
 
 #include <algorithm>
@@ -15,6 +15,7 @@ namespace tessera::flat {
 template <int dimension>
 class NearbyCells {
  public:
+  // A cell of the sample, with the coordinates of one of its vertices.
   struct Place {
     Point at;
     Word slot;
@@ -26,7 +27,8 @@ class NearbyCells {
   }
   void clear() { release(places_); }
   bool empty() const { return places_.empty(); }
-  // The slots of the places nearest to p, the nearest first: so many at most, all of them usable(slot).
+  // The slots of the places nearest to p, the nearest first. At most `count` slots are returned; usable(slot) is true
+  // for each.
   static constexpr std::size_t count = 8;
   template <class Usable>
   std::vector<Word> nearest(const Point& p, const Usable& usable) const {
@@ -52,7 +54,7 @@ class NearbyCells {
 
   static double coordinate(const Point& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-  // The middle of [begin, end) parts the others by one axis, the middles of both halves do by the next.
+  // Puts the median of [begin, end) by one axis in the middle, and orders both halves by the next axis.
   void order(std::size_t begin, std::size_t end, int axis) {
     if (end - begin < 2) return;
     const std::size_t middle = begin + (end - begin) / 2;

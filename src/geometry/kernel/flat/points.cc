@@ -5,7 +5,7 @@
 namespace tessera::flat {
 namespace {
 
-// Vertices are numbered from 1.
+// The pointer p with p[1] the first point, because vertices are numbered from 1.
 const Point* before(const Point* first) { return first ? first - 1 : nullptr; }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The points of a flat kernel by vertex number, from 1. The first may be the caller's own, read where they are.
+// The points of a flat kernel by vertex number, from 1. The first points may be borrowed from the caller.
 #pragma once
 
 #include <span>
@@ -10,17 +10,17 @@ namespace tessera::flat {
 
 class Points {
  public:
-  // Throws KernelFull, now and below, for more than `most` points.
+  // This constructor's limit holds for all functions: they throw KernelFull for more than `most` points.
   explicit Points(Vertex most) : most_(most) {}
   const Point& operator[](Vertex v) const { return (v <= borrowed_ ? low_ : high_)[v]; }
-  // first()[v] is the same when in_one_piece(), which saves a choice in the innermost loops.
+  // first()[v] is vertex v when in_one_piece(). Inner loops use it to save a branch.
   const Point* first() const { return low_; }
   bool in_one_piece() const { return size_ == borrowed_; }
   Vertex size() const { return size_; }
   Vertex most() const { return most_; }
   void borrow(std::span<const Point> points);
   void copy(std::span<const Point> points);
-  // Copies those that are borrowed, so that they stay in one piece.
+  // Copies borrowed points, so that all points stay in one piece when more are added.
   void own();
   Vertex add(Point p);
   std::size_t memory() const { return own_.bytes(); }
@@ -29,7 +29,7 @@ class Points {
   Vertex number_of(std::span<const Point> points) const;
 
   const Point* low_ = nullptr;   // low_[v] is vertex v for v in 1..borrowed_
-  const Point* high_ = nullptr;  // high_[v] is vertex v for the others
+  const Point* high_ = nullptr;  // high_[v] is vertex v for larger v
   Vertex borrowed_ = 0, size_ = 0, most_;
   Array<Point> own_;
 };

@@ -1,6 +1,6 @@
-// Removal of a vertex: the hole is filled by the cells, in conflict with the vertex, of the Delaunay triangulation of
-// the points around it. Simple rather than fast: only a policy for tests removes vertices. For mesh_2.cc and
-// mesh_3.cc.
+// Removal of a vertex. The points around the vertex are triangulated by themselves. The cells of this triangulation
+// that are in conflict with the vertex fill the hole. The code is simple rather than fast, because only a policy for
+// tests removes vertices. mesh_2.cc and mesh_3.cc include this file.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace tessera::flat {
 
-// The vertices opposite corner i, sorted.
+// The vertices of the facet opposite corner i, sorted.
 template <class Cell>
 auto sorted_facet(const Cell& cell, Word i) {
   std::array<Vertex, Cell::dimension> facet;
@@ -28,7 +28,7 @@ bool MeshBase<Mesh, Cell>::remove(Vertex v) {
   std::vector<Word> star;
   self().around(v, star);
   std::vector<Vertex> near;
-  std::map<std::array<Vertex, dimension>, Word> link;  // facets opposite v: what lies across
+  std::map<std::array<Vertex, dimension>, Word> link;  // the facets opposite v, with the neighbours across
   for (const Word slot : star) {
     const Cell& c = cells[slot];
     near.insert(near.end(), c.v, c.v + corners);
@@ -36,7 +36,7 @@ bool MeshBase<Mesh, Cell>::remove(Vertex v) {
     check(!(c.n[i] & frozen_bit), "a removed vertex is not joined to a frozen cell");
     link[sorted_facet(c, i)] = c.n[i];
   }
-  std::unique_ptr<Mesh> small;  // its vertex i is near[i - 1]
+  std::unique_ptr<Mesh> small;  // a mesh of the points around v; its vertex i is near[i - 1]
   const auto gather = [&] {
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
@@ -47,7 +47,8 @@ bool MeshBase<Mesh, Cell>::remove(Vertex v) {
     return small->spanned() == dimension;
   };
   if (!gather()) {
-    // All around v are coplanar, or collinear. The star of v is the same with more points: those across the link.
+    // All points around v are coplanar, or collinear. The star of v stays the same with the points across the link
+    // added.
     for (const auto& [facet, across] : link) near.push_back(cells[across >> 2].v[across & 3]);
     if (!gather()) return false;
   }

@@ -1,5 +1,5 @@
-// Point location: a visibility walk from where the last insertion was. It ends, because the triangulation is Delaunay
-// (De Floriani, Falcidieno, Nagy, Pienovi 1991).
+// Point location in 2D: a visibility walk that starts at the last insertion. The walk ends, because the triangulation
+// is Delaunay (De Floriani, Falcidieno, Nagy, Pienovi 1991).
 #include <cmath>
 
 #include "src/geometry/kernel/flat/mesh_2.h"
@@ -7,7 +7,7 @@
 #include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera::flat2 {
-// False if the way was blocked by frozen triangles on every side that faces p.
+// Returns false if frozen triangles block every side that faces p.
 bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   const Cell* const all = cells.data();
   if (all[slot].infinite()) {
@@ -21,7 +21,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
     slot = t.n[0] >> 2;
     from = t.n[0] & 3;
   }
-  // p is on the inner side of edge `from`, which goes from r to l; both are relative to p.
+  // p is on the inner side of edge `from`. The edge goes from r to l; both are relative to p.
   struct Vector {
     double x, y;
   };
@@ -29,15 +29,15 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   Vector r = relative(all[slot].v[next_of[from]]), l = relative(all[slot].v[before[from]]);
   while (true) {
     const Cell& t = all[slot];
-    if (t.v[from] == infinite_vertex) {  // strictly outside the hull
+    if (t.v[from] == infinite_vertex) {  // p is strictly outside the hull
       found = {slot, 0};
       return true;
     }
     const Vector c = relative(t.v[from]);
-    // Both other edges are asked at once, and the way on is chosen without a jump: nobody can foresee which one it is.
-    // The error is that of exact::filter::orientation_2.
+    // Both other edges are asked at once, and the next triangle is chosen without a branch, because the processor
+    // cannot predict it. The error bound is that of exact::filter::orientation_2.
     const double l1 = l.x * c.y, l2 = l.y * c.x, r1 = c.x * r.y, r2 = c.y * r.x;
-    const double l_side = l1 - l2, r_side = r1 - r2;  // of the edge from l to c, and of that from c to r
+    const double l_side = l1 - l2, r_side = r1 - r2;  // where p is at the edge from l to c, and at that from c to r
     constexpr double u = exact::filter::u, underflow = exact::filter::underflow;
     const bool l_certain = std::abs(l_side) > 5 * u * (std::abs(l1) + std::abs(l2)) + underflow;
     const bool r_certain = std::abs(r_side) > 5 * u * (std::abs(r1) + std::abs(r2)) + underflow;
@@ -63,7 +63,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
       across_r &= !(next_r & frozen_bit);
       if (!(across_l | across_r)) return false;
     }
-    // Seen from the next triangle, c is behind the edge to l and before that to r.
+    // Seen from the next triangle, c begins the edge to l, or ends the edge from r.
     const Word across = across_l ? next_l : next_r;
     l = across_l ? l : c;
     r = across_l ? c : r;

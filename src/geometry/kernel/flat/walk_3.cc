@@ -1,12 +1,13 @@
-// Point location: a visibility walk from where the last insertion was. It ends, because the triangulation is Delaunay
-// (De Floriani, Falcidieno, Nagy, Pienovi 1991; Edelsbrunner 1990: in front of a point its cells are ordered).
+// Point location in 3D: a visibility walk that starts at the last insertion. The walk ends, because the triangulation
+// is Delaunay (De Floriani, Falcidieno, Nagy, Pienovi 1991; Edelsbrunner 1990: seen from a point, Delaunay cells have
+// an order from front to back).
 #include "src/geometry/kernel/flat/mesh_3.h"
 #include "src/geometry/kernel/flat/predicates_3.h"
 #include "src/geometry/kernel/flat/walk_impl.h"
 
 namespace tessera::flat3 {
 
-// False if the way was blocked by frozen cells on every side that faces p.
+// Returns false if frozen cells block every side that faces p.
 bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   ++turn_;
   if (cells[slot].infinite()) {
@@ -21,7 +22,8 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   }
   while (true) {
     const Cell& c = cells[step.slot];
-    // First, for where p is a vertex three of the orientations are zero, which takes long to know.
+    // Vertices are compared first. Where p is a vertex three of the orientations are zero, and zeros take long to
+    // prove.
     for (const Word v : c.v) {
       if (points[v] != p) continue;
       found = {step.slot, v};
@@ -38,14 +40,14 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
       if (!(across & frozen_bit)) break;
       blocked = true;
     }
-    if (across & frozen_bit) {  // no way on
+    if (across & frozen_bit) {  // the walk cannot go on
       if (blocked) return false;
       found = {step.slot, 0};
       return true;
     }
     ++turn_;
     step = {across >> 2, across & 3, false};
-    if (cells[step.slot].infinite()) {  // strictly outside the hull
+    if (cells[step.slot].infinite()) {  // p is strictly outside the hull
       found = {step.slot, 0};
       return true;
     }

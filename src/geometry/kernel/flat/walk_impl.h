@@ -1,4 +1,4 @@
-// Point location where holes of frozen cells can be in the way. For walk_2.cc and walk_3.cc.
+// Point location where holes of frozen cells may be in the way. walk_2.cc and walk_3.cc include this file.
 #pragma once
 
 #include <algorithm>
@@ -24,11 +24,11 @@ Located MeshBase<Mesh, Cell>::locate(const Point& p) const {
   return search(p, starts);
 }
 
-// Cells near p, the nearest first. What a hole leaves is thin layers, in which a search from elsewhere would visit most
-// cells; and the nearest one may lie on the other side of the hole, but hardly all of them.
+// Returns cells near p, the nearest first. A hole leaves thin layers of cells, and a search that begins far away would
+// visit most of them. The nearest cell may lie on the other side of the hole, but hardly all eight of them do.
 template <class Mesh, class Cell>
 std::vector<Word> MeshBase<Mesh, Cell>::nearby(const Point& p) const {
-  constexpr std::size_t step = 16;  // 2 bytes a cell
+  constexpr std::size_t step = 16;  // every 16th cell: 2 bytes a cell
   if (nearby_.empty() || live_cells() > 2 * nearby_of_) {
     std::vector<typename NearbyCells<dimension>::Place> places;
     places.reserve(cells.size() / step + 1);
@@ -41,7 +41,8 @@ std::vector<Word> MeshBase<Mesh, Cell>::nearby(const Point& p) const {
   return nearby_.nearest(p, [&](Word slot) { return slot < cells.size() && !cells[slot].dead(); });
 }
 
-// Nearest cells first, from one to its neighbours. Those that are left are connected through the infinite ones.
+// A best-first search by distance to p, from a cell to its neighbours. The live cells are connected through the
+// infinite cells.
 template <class Mesh, class Cell>
 Located MeshBase<Mesh, Cell>::search(const Point& p, const std::vector<Word>& starts) const {
   using Entry = std::pair<double, Word>;

@@ -1,6 +1,6 @@
-// The innermost loop: which cells are in conflict with a point. Cells are asked four at a time, one to a vector lane,
-// and no branch depends on an answer. The vectors are the compiler's own, so the same code runs on every machine; where
-// AVX2 is present a second copy of it is used.
+// The innermost loops: the conflict zone of a point, and the walk to it. Cells are asked four at a time, one in each
+// vector lane, and no branch depends on an answer. The vectors are types of the compiler, so the same code runs on
+// every machine. Where the processor has AVX2, a second copy of the code is used.
 #include <algorithm>
 #include <cstring>
 
@@ -8,7 +8,7 @@
 #include "src/geometry/kernel/flat/predicates_3.h"
 
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi"  // vectors are passed to functions that are always inlined
+#pragma GCC diagnostic ignored "-Wpsabi"  // the functions that take vectors are always inlined
 #endif
 
 namespace tessera::flat3 {
@@ -24,9 +24,10 @@ using Quad = Word __attribute__((vector_size(16)));
 }
 [[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 
-// The lanes of the first 1, 2, 3 or 4 cells.
+// The lanes of the first 0, 1, 2, 3 or 4 cells.
 constexpr Bits lanes_used[5] = {{}, {-1, 0, 0, 0}, {-1, -1, 0, 0}, {-1, -1, -1, 0}, {-1, -1, -1, -1}};
 
+// The differences of four points to a query, one point to a lane, and their squared lengths w.
 struct Differences {
   Lanes x, y, z, w;
 };
@@ -44,14 +45,15 @@ struct Differences {
 }  // namespace
 
 struct ZoneCode {
+  // Up to four cells that are asked together.
   struct Four {
-    Word facet[4];  // the cells, with the facet they were reached through; the first again where there are fewer
+    Word facet[4];  // the cells, with the facets through which they were reached; spare lanes repeat the first
     std::size_t size;
-    bool special;  // there is an infinite cell
+    bool special;  // whether one of the cells is infinite
     Bits in, sure;
   };
 
-  // Whether e is in the spheres of four cells. Says nothing for infinite ones.
+  // Asks whether e is in the spheres of four cells. The answer for an infinite cell is meaningless.
   template <class At>
   [[gnu::always_inline]] static void ask(Four& four, const Cell* cells, const At& at, const Point& e) {
     Word v[4][4];
@@ -61,7 +63,7 @@ struct ZoneCode {
       v[i][0] = c.v[0] & vertex_mask;
       v[i][1] = c.v[1];
       v[i][2] = c.v[2];
-      v[i][3] = c.infinite() ? v[i][0] : c.v[3];  // any point: the lane is not used
+      v[i][3] = c.infinite() ? v[i][0] : c.v[3];  // any point will do: the answer is not used
       special |= c.infinite();
     }
     four.special = special;
@@ -97,18 +99,19 @@ struct ZoneCode {
     if (m.zone_.size() < 1024) m.zone_.resize(1024), m.pending_.resize(4096);
     m.zone_[0] = 4 * start;
     cells[start].v[0] |= mark_in;
-    // Two fours at a time: while the numbers of one are worked out, the answers of the one before are acted upon.
-    // What is to be done next depends on answers and is often guessed wrong by the processor; in this way it finds out
-    // early.
+    // Two groups of four are in work: while the determinants of one are computed, the code acts on the answers of the
+    // group before. The next work depends on the answers, and the processor often predicts it wrong. In this way it
+    // finds out early.
     Four fours[2];
     std::size_t turn = 0;
-    bool waiting = false;  // fours[turn] has not been acted upon
-    // Cells of the zone there is room for: pending_ takes four times as many. zone_ may also have grown elsewhere.
+    bool waiting = false;  // the answers of fours[turn] have not been used yet
+    // The number of zone cells for which there is room. pending_ needs four entries a zone cell. zone_ may also have
+    // grown elsewhere.
     std::size_t room = std::min(m.zone_.size(), m.pending_.size() / 4);
     Word* zone = m.zone_.data();
     Word* pending = m.pending_.data();
     while (true) {
-      if (found + 16 > room) {  // more than a turn can add
+      if (found + 16 > room) {  // one turn adds less
         room *= 2;
         if (m.zone_.size() < room) m.zone_.resize(room);
         m.pending_.resize(4 * room);
@@ -124,7 +127,7 @@ struct ZoneCode {
           }
         }
         for (std::size_t i = 0; i < 4; ++i) {
-          const Word in = static_cast<Word>(four.in[i]);  // all bits or none
+          const Word in = static_cast<Word>(four.in[i]);  // all bits or none are set
           zone[found] = four.facet[i];
           found += in & 1;
           cell_at(cells, four.facet[i]).v[0] ^= in & (mark_in | mark_out);
@@ -148,7 +151,7 @@ struct ZoneCode {
           }
         }
       };
-      // A fixed number of cells is expanded in a turn as long as there are so many: that is easy to guess.
+      // As long as there are enough cells, a turn expands a fixed number of them, because that is easy to predict.
       if (found - expanded >= 2) {
         expand(2);
         if (met - asked < 4) continue;
@@ -163,7 +166,7 @@ struct ZoneCode {
       Four& four = fours[turn ^ 1];
       const std::size_t left = met - asked;
       four.size = left < 4 ? left : 4;
-      // What follows the last one is overwritten later.
+      // What follows the last pending cell is overwritten later.
       for (std::size_t i = 0; i < 3; ++i) pending[met + i] = pending[asked];
       for (std::size_t i = 0; i < 4; ++i) four.facet[i] = pending[asked + i];
       asked += four.size;
@@ -188,12 +191,12 @@ struct ZoneCode {
     return facets;
   }
 
-  // Numbers the zone's vertices and lists its boundary: the facets across which a cell is not in it.
+  // Numbers the zone's vertices and lists its boundary: the facets across which the cell is not in the zone.
   template <bool holes>
   [[gnu::always_inline]] static void bound(Mesh& m, const Cell* cells) {
     const std::size_t found = m.zone_size_;
-    // Cells joined through facets, `found` of them, have 2 found + 2 others at most, and one more is written than
-    // listed. For a large zone they are counted: most of its facets may be inside.
+    // `found` cells that are joined through facets have at most 2 found + 2 other facets, and one entry more is written
+    // than listed. For a large zone the boundary is counted first, because most of its facets may be inside.
     if (found > Mesh::usual_zone) [[unlikely]] {
       const std::size_t facets = boundary_facets<holes>(m, cells) + 1;
       if (facets > m.facets_.size()) m.facets_.resize(facets);
@@ -218,13 +221,13 @@ struct ZoneCode {
       const Quad next = {c.n[0], c.n[1], c.n[2], c.n[3]};
       if (z == 0) {
         for (int i = 0; i < 4; ++i) meet(corner[i]);
-      } else {  // the three others are those of a cell before it
+      } else {  // the other three vertices belong to an earlier cell, too
         meet(c.v[zone[z] & 3] & vertex_mask);
       }
       const Quad id = {number[corner[0]], number[corner[1]], number[corner[2]], number[corner[3]]};
       const auto list = [&]<int i, int... corners>() __attribute__((always_inline)) {
         const Word across = c.n[i];
-        Word outside;  // every cell next to the zone's is marked, with one bit or the other
+        Word outside;  // every cell next to the zone is marked with one of the two bits
         if constexpr (holes) {
           outside = across & frozen_bit ? 1 : cell_at(cells, across).v[0] >> 31;
         } else {
@@ -245,8 +248,8 @@ struct ZoneCode {
     m.zone_vertices_size_ = numbered;
   }
 
-  // Goes on with a walk while all signs are sure and the cells finite and there: four facets at once, and the way on is
-  // data, not a branch. See Step for the start.
+  // Continues a walk as long as all signs are certain, and the next cell is finite and not frozen. Four facets are
+  // asked at once, and the next cell is computed without a branch. Step says what the walk starts with.
   template <bool split>
   [[gnu::always_inline]] static Mesh::Step walk(const Mesh& m, const Point& p, Mesh::Step step) {
     const Cell* const cells = m.cells.data();
@@ -262,7 +265,7 @@ struct ZoneCode {
       const Point &a = at(c.v[0]), &b = at(c.v[1]), &d = at(c.v[2]), &e = at(c.v[3]);
       const Lanes x = Lanes{a.x, b.x, d.x, e.x} - p.x, y = Lanes{a.y, b.y, d.y, e.y} - p.y;
       const Lanes z = Lanes{a.z, b.z, d.z, e.z} - p.z;
-      // As facet_of: lane i is facet i.
+      // Lane i is facet i, with the corners of facet_of.
       const Lanes ax = __builtin_shufflevector(x, x, 1, 2, 0, 2), bx = __builtin_shufflevector(x, x, 2, 0, 1, 1);
       const Lanes cx = __builtin_shufflevector(x, x, 3, 3, 3, 0);
       const Lanes ay = __builtin_shufflevector(y, y, 1, 2, 0, 2), by = __builtin_shufflevector(y, y, 2, 0, 1, 1);
@@ -286,7 +289,7 @@ struct ZoneCode {
       if (seen >> 4) [[unlikely]]
         return step;
       if (seen == 0) return {step.slot, step.from, true};
-      // Starting anywhere, for a fixed order leads around in spirals.
+      // The first facet to try is random, because a fixed order leads around in spirals.
       random = random * 5 + 1;
       const Word turn = random >> 16 & 3;
       const Word i = (static_cast<Word>(__builtin_ctz((seen | seen << 4) >> turn)) + turn) & 3;

@@ -1,6 +1,6 @@
-// Determinants in floating point whose exponents have no bounds, with a bound on their error: for points so far apart,
-// or so near to zero, that products of doubles overflow or underflow. There one product mostly exceeds all others by
-// far, and tells the sign; as integers the same points have thousands of bits.
+// Determinants in floating point with unbounded exponents, and a bound on their error. They are for points so far
+// apart, or so near to zero, that products of doubles overflow or underflow. For such points one product mostly exceeds
+// all others by far and decides the sign. As integers the same points have thousands of bits.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 
 namespace tessera::exact {
 
-// value * 2^exponent, which is off by at most k u sum * 2^exponent, u = 2^-53, k the roundings that its longest chain
-// of operations has had. `sum`: of the absolute values of the products that `value` is a sum of; it is 1 or more where
-// the value is not 0 exactly. As products are made of at most 5 numbers in [1, 2), and sums have few terms, neither
-// leaves the range of doubles.
+// The number value * 2^exponent. Its error is at most k u sum * 2^exponent, where u = 2^-53 and k is the number of
+// roundings in the longest chain of operations. `sum` is the sum of the absolute values of the products that make up
+// `value`; it is at least 1 unless the value is exactly 0. Products have at most 5 factors in [1, 2) and sums have few
+// terms, so neither leaves the range of doubles.
 struct AnyExponent {
   double value = 0, sum = 0;
   std::int32_t exponent = 0;
@@ -34,8 +34,8 @@ struct AnyExponent {
   friend AnyExponent operator+(const AnyExponent& a, const AnyExponent& b) { return add(a, b, 1); }
   friend AnyExponent operator-(const AnyExponent& a, const AnyExponent& b) { return add(a, b, -1); }
 
-  // +1 or -1 when certain after so many roundings, else 0. `sum` itself may be a little too small, which the caller's
-  // k pays for.
+  // Returns +1 or -1 when the sign is certain after k roundings, else 0. `sum` itself may be a little too small. The
+  // caller's k must include a reserve for that.
   int sign(int k) const {
     const double error = k * 0x1p-53 * sum;
     return (value > error) - (value < -error);
@@ -44,7 +44,7 @@ struct AnyExponent {
  private:
   AnyExponent(double v, double s, std::int32_t e) : value(v), sum(s), exponent(e) {}
 
-  // 2^-distance, or nothing where that is less than any rounding.
+  // Returns 2^-distance, or 0 where that is less than any rounding.
   static double down(std::int32_t distance) {
     return distance > 1000 ? 0 : std::bit_cast<double>(static_cast<std::uint64_t>(1023 - distance) << 52);
   }
@@ -60,11 +60,12 @@ struct AnyExponent {
   }
 };
 
-// The determinant of N rows (coordinates, 1) or (lift, coordinates, 1): homogeneous, for differences would round. The
-// first coordinates, as many as are needed, are columns; the lift is the sum of the squares of all L of them.
+// The sign of the determinant of N rows (coordinates, 1) or (lift, coordinates, 1). The rows are homogeneous, because
+// differences would round. The first `columns` coordinates are columns. The lift is the sum of the squares of all L
+// coordinates.
 //
-// Roundings: a minor 2, a determinant of three columns 5; the sum of four of these 8; the lift 3; a product of both 12,
-// the sum of five 16. The constants leave a quarter more.
+// Roundings: 2 in a minor, 5 in a determinant of three columns, 8 in the sum of four of these, 3 in the lift, 12 in a
+// product of both, 16 in the sum of five products. The constants below leave a reserve of a quarter.
 template <std::size_t N, std::size_t columns, std::size_t L>
 class HomogeneousSign {
  public:
@@ -75,9 +76,9 @@ class HomogeneousSign {
     }
   }
 
-  // Without a lift. REQUIRES: N == columns + 1.
+  // The sign of the determinant without a lift. REQUIRES: N == columns + 1.
   int orientation() const { return simplex(first(N)).sign(12); }
-  // With it. REQUIRES: N == columns + 2.
+  // The sign of the determinant with a lift. REQUIRES: N == columns + 2.
   int lifted() const {
     AnyExponent sum;
     for (std::size_t skipped = 0; skipped < N; ++skipped) {
@@ -91,7 +92,7 @@ class HomogeneousSign {
 
  private:
   using Corners = std::array<std::size_t, columns + 1>;
-  // All rows but one.
+  // The indices of the first columns + 1 rows other than row `skipped`.
   static Corners first(std::size_t skipped) {
     Corners corners{};
     for (std::size_t row = 0, n = 0; n <= columns; ++row) {
@@ -99,7 +100,7 @@ class HomogeneousSign {
     }
     return corners;
   }
-  // The determinant of the rows (coordinates, 1), along the column of ones.
+  // The determinant of the rows (coordinates, 1), expanded along the column of ones.
   AnyExponent simplex(const Corners& c) const {
     if constexpr (columns == 2) {
       return pair_[c[1]][c[2]] - pair_[c[0]][c[2]] + pair_[c[0]][c[1]];
@@ -113,7 +114,7 @@ class HomogeneousSign {
   }
 
   const Rows& rows_;
-  std::array<std::array<AnyExponent, N>, N> pair_;  // of the first two columns; [i][j] for i < j
+  std::array<std::array<AnyExponent, N>, N> pair_;  // the minors of the first two columns; [i][j] for i < j
 };
 
 }  // namespace tessera::exact

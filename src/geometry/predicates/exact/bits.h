@@ -11,7 +11,7 @@
 
 namespace tessera::exact {
 
-// A finite double as magnitude * 2^exponent; all of them but 0 are odd.
+// A finite double as magnitude * 2^exponent, with a sign. The magnitude is odd unless the double is 0.
 struct Parts {
   std::uint64_t magnitude = 0;
   int exponent = 0;
@@ -29,7 +29,7 @@ struct Parts {
   int end() const { return exponent + std::bit_width(magnitude); }  // |v| < 2^end
 };
 
-// The bits that a set of doubles spans: all are multiples of 2^low and less than 2^high in absolute value.
+// The bits that a set of doubles spans: all values are multiples of 2^low and smaller than 2^high in absolute value.
 struct BitRange {
   int low = 5000, high = -5000;
   template <std::size_t N>
@@ -41,9 +41,10 @@ struct BitRange {
       high = std::max(high, p.end());
     }
   }
-  int bits() const { return high - low; }  // negative when all are 0
+  int bits() const { return high - low; }  // negative when all values are 0
 };
 
+// Sets `to` to v * 2^-low. REQUIRES: v is a multiple of 2^low, `to` is 0, and the value fits.
 inline void scale(double v, int low, Integer<1>& to) {
   const Parts p(v);
   if (p.magnitude == 0) return;

@@ -1,5 +1,6 @@
-// Signed integers of a fixed number of 64-bit limbs, for determinants whose size is known beforehand. No allocation.
-// A product has as many limbs as its factors have together, so it never overflows; sums must fit by the caller's bound.
+// Signed integers of a fixed number of 64-bit limbs, for determinants whose size is known beforehand. They allocate no
+// memory. A product has as many limbs as both factors together, so it never overflows. The caller must make sure that
+// sums fit.
 #pragma once
 
 #include <array>
@@ -61,7 +62,7 @@ Integer<M + N> operator*(const Integer<M>& a, const Integer<N>& b) {
     }
     product.limb[i + N] = static_cast<std::uint64_t>(carry);
   }
-  // As unsigned numbers, a negative factor stood for itself plus 2^(64 its limbs).
+  // Read as unsigned, a negative factor was too large by 2^(64 * its number of limbs). These lines correct that.
   if (a.negative()) product.subtract(b.limb.data(), M);
   if (b.negative()) product.subtract(a.limb.data(), N);
   return product;

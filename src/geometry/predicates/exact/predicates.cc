@@ -37,7 +37,7 @@ double tail(double a, double b, double difference) {
   return (a - a_virtual) + (b_virtual - b);
 }
 
-// Whether the values are multiples of a power of two, at most 2^bits times as large, and none of their products of
+// Whether all values are multiples of a power of two of which they are at most 2^bits times as large, and no product of
 // degree 5 leaves the range of normal doubles.
 template <std::size_t N>
 bool on_lattice(const std::array<double, N>& values, int bits) {
@@ -45,7 +45,8 @@ bool on_lattice(const std::array<double, N>& values, int bits) {
   for (const double v : values) greatest = std::max(greatest, std::abs(v));
   if (!(greatest < 0x1p190)) return false;
   if (greatest < 0x1p-170) return greatest == 0;
-  // The power of two above the greatest value; adding it times 2^(52 - bits) leaves no bit below the lattice's step.
+  // The power of two above the greatest value. Adding this power times 2^(52 - bits) drops all bits below the lattice's
+  // step.
   const double above = std::bit_cast<double>((std::bit_cast<std::uint64_t>(greatest) >> 52 << 52)) * 2;
   const double round = above * std::ldexp(1.5, 52 - bits);
   bool all = true;
@@ -53,7 +54,7 @@ bool on_lattice(const std::array<double, N>& values, int bits) {
   return all;
 }
 
-// How a determinant takes the squared length of a difference: as it is, or that of one coordinate alone.
+// The lift of a difference: its whole squared length, or the square of one coordinate.
 struct WholeLift {
   template <class T, class... More>
   auto operator()(const T& first, const More&... more) const {
@@ -72,7 +73,7 @@ struct LiftAlong {
 template <std::size_t P>
 using PointSet = std::array<const Point*, P>;
 
-// The exponents of the coordinates may be any, as long as one product exceeds the others by far.
+// The exponents of the coordinates are arbitrary. The sign is 0 when no product exceeds the others by far enough.
 template <std::size_t columns, std::size_t P, std::size_t D>
 int any_exponent_sign(const PointSet<P>& points, const std::array<int, D>& axes) {
   typename HomogeneousSign<P, columns, D>::Rows rows;
@@ -94,9 +95,9 @@ Big big_of(const Integer<N>& v) {
   return v.negative() ? -to : to;
 }
 
-// Each axis has a power of two of its own: a determinant that is linear in its columns keeps its sign then. With a lift
-// it is the sum of those with the squares along one axis each, times the square of that one's power. Nothing when an
-// axis spans too many bits.
+// Scales each axis by a power of two of its own. A determinant that is linear in its columns keeps its sign then. A
+// determinant with a lift is a sum over axes: each part has the squares along one axis, times the square of that axis's
+// power. Returns nothing when an axis spans too many bits.
 template <std::size_t columns, std::size_t P, std::size_t D, class Sign>
 std::optional<int> per_axis_sign(const std::array<double, P * D>& coordinate, Sign&& sign) {
   std::array<int, D> low{};
@@ -116,7 +117,7 @@ std::optional<int> per_axis_sign(const std::array<double, P * D>& coordinate, Si
   } else {
     const int least = *std::min_element(low.begin(), low.end());
     Big sum = 0;
-    int all = 0, signs = 0;  // which signs there are, as bits
+    int all = 0, signs = 0;  // the signs of the parts as bits: 1 positive, 2 negative
     const auto add = [&]<std::size_t k>() {
       const auto part = sign(exact, LiftAlong<k>{});
       if (part.sign() == 0) return;
@@ -130,11 +131,11 @@ std::optional<int> per_axis_sign(const std::array<double, P * D>& coordinate, Si
   }
 }
 
-// Calls sign(differences, lift) with the differences of the points to the last one, exact, times a common power of two,
-// or a power for each axis: `P` points of `D` coordinates, of which the first `columns` are columns of the determinant,
-// and all are in the lift, if it has one. The highest degree is 5, of 72 terms: with differences below 2^62 (limbs of
-// 64 bits) or 2^126 (of 128) 5 times as many limbs hold every determinant. Doubles hold it, as an integer below 2^53,
-// when differences are at most 2^`lattice_bits`.
+// Calls sign(differences, lift) with the exact differences of the points to the last point, times a common power of
+// two, or times a power for each axis. There are P points of D coordinates. The first `columns` coordinates are columns
+// of the determinant, and all D are in the lift, if it has one. The highest degree is 5, with 72 terms. With
+// differences below 2^62 (1 limb) or 2^126 (2 limbs), 5 times as many limbs hold every determinant. Doubles hold it as
+// an integer below 2^53 when differences are at most 2^lattice_bits.
 template <std::size_t columns, int lattice_bits, std::size_t P, std::size_t D, class Sign>
 Staged with_differences(const PointSet<P>& points, const std::array<int, D>& axes, Sign&& sign) {
   constexpr std::size_t n = (P - 1) * D;
@@ -181,7 +182,7 @@ auto determinant(const T& ax, const T& ay, const L& al, const T& bx, const T& by
   return al * minor(bx, by, cx, cy) + bl * minor(cx, cy, ax, ay) + cl * minor(ax, ay, bx, by);
 }
 
-// Whether all points have the same x, or y, or z.
+// Whether all points have the same x, the same y, or the same z.
 template <std::size_t P>
 bool axis_parallel(const std::array<const Point*, P>& points) {
   const auto equal = [&](auto coordinate) {
@@ -191,8 +192,8 @@ bool axis_parallel(const std::array<const Point*, P>& points) {
   return equal(&Point::x) || equal(&Point::y) || equal(&Point::z);
 }
 
-// Bits of differences so that the determinant stays below 2^53: 2 terms of degree 2, 6 of degree 3, 12 (in a plane in
-// space: 18) of degree 4, 72 of degree 5.
+// Bits of differences such that a determinant stays below 2^53. Its terms: 2 of degree 2, 6 of degree 3, 12 (18 in a
+// plane in space) of degree 4, 72 of degree 5.
 constexpr int area_bits = 25, volume_bits = 16, circle_bits = 12, sphere_bits = 9;
 constexpr std::array<int, 2> xy{0, 1};
 constexpr std::array<int, 3> xyz{0, 1, 2};
@@ -210,7 +211,7 @@ Staged orientation_2_exact(const Point& a, const Point& b, const Point& c) {
 
 Staged orientation_3_exact(const Point& a, const Point& b, const Point& c, const Point& d) {
   if (axis_parallel<4>({&a, &b, &c, &d})) return {0, Stage::lattice};
-  // Rows b, a, c: differences to the last point instead of the first turn the sign.
+  // The rows are b, a, c, because differences to the last point instead of the first reverse the sign.
   return with_differences<3, volume_bits>(PointSet<4>{&b, &a, &c, &d}, xyz, [](const auto& v, const auto&) {
     return determinant(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]);
   });
@@ -244,10 +245,10 @@ int coplanar_orientation(const Point& a, const Point& b, const Point& c) {
   return 0;
 }
 
-// In the plane, any two coordinates that are independent there serve as well as orthogonal ones; the lift is the true
+// In the plane, any two coordinates that are independent there serve as well as orthogonal ones. The lift is the true
 // squared distance in space.
 int coplanar_in_circle(const Point& a, const Point& b, const Point& c, const Point& d) {
-  // `axes`: those two, and the third.
+  // `axes` holds the two independent axes, then the third.
   const auto lifted = [&](const std::array<int, 3>& axes) {
     return with_differences<2, circle_bits>(PointSet<4>{&a, &b, &c, &d}, axes,
                                             [](const auto& v, const auto& lift) {
@@ -264,9 +265,10 @@ int coplanar_in_circle(const Point& a, const Point& b, const Point& c, const Poi
 
 namespace {
 
-// The lexicographically greatest point is lifted by the largest infinitesimal, the next by a smaller one, and so on. So
-// the greatest point whose lift matters decides: if it is the query, the query rises out of the circle or sphere; if it
-// is a vertex, that bends towards or away from the query as the orientation with the query in its place tells.
+// The perturbation lifts the lexicographically greatest point by the largest infinitesimal, the next point by a smaller
+// one, and so on. So the greatest point whose lift matters decides. If this point is the query, the query rises out of
+// the circle or sphere. If it is a vertex, the circle or sphere bends towards or away from the query; the orientation
+// with the query in the vertex's place says which.
 template <std::size_t N, class Greater, class Orient>
 int decide_tie(const std::array<const Point*, N>& points, Greater&& greater, Orient&& orient) {
   std::array<const Point*, N> order = points;

@@ -1,20 +1,20 @@
 // Exact signs of the determinants of Delaunay triangulation, for every finite double: denormals, +-0, 1e300.
 // Properties:
-//  (1) The answer is the sign of the exact determinant of the coordinates as given, never an estimate.
-//  (2) It depends on coordinates alone; -0 equals 0.
-// Seven stages, each only when the one before cannot tell:
-//  filter   floating point on differences to the last point, with an error bound (here, inline);
+//  (1) The answer is the sign of the exact determinant of the given coordinates, never an estimate.
+//  (2) The answer depends on coordinates alone; -0 equals 0.
+// There are seven stages. Each is used only when the stage before cannot decide:
+//  filter   floating point on differences to the last point, with an error bound (inline, in this header);
 //  lattice  the differences are small multiples of a power of two, so that floating point does not round; or all points
 //           have one coordinate in common;
 //  integer  the differences are doubles without error, as among neighbours in quantised data: 64-bit integers times a
-//           common power of two, products in 128 to 320 bits;
+//           common power of two, with products of 128 to 320 bits;
 //  wide     the coordinates themselves as 128-bit integers;
-//  any_exponent  floating point whose exponents have no bounds, with an error bound (any_exponent.h): for points whose
+//  any_exponent  floating point with unbounded exponents and an error bound (any_exponent.h), for points whose
 //           coordinates are of very different sizes;
 //  axes     the coordinates as 128-bit integers times a power of two for each axis;
 //  big      integers of any length.
-// Needs round-to-nearest, and code compiled without fused multiply-add, for the error bounds to hold.
-// The two-dimensional ones read x and y.
+// The error bounds hold for round-to-nearest, and code compiled without fused multiply-add.
+// Functions with the suffix _2 read x and y only. All functions are safe to call from any thread.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@
 namespace tessera::exact {
 
 enum class Stage : std::uint8_t { filter, lattice, integer, wide, any_exponent, axes, big };
-// Which stage told the sign: for tests and benchmarks.
+// A sign with the stage that decided it, for tests and benchmarks.
 struct Staged {
   int sign = 0;
   Stage stage = Stage::filter;
@@ -39,25 +39,25 @@ Staged orientation_3_exact(const Point& a, const Point& b, const Point& c, const
 Staged in_circle_2_exact(const Point& a, const Point& b, const Point& c, const Point& d);
 Staged in_sphere_3_exact(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e);
 
-// The error bounds. Let u = 2^-53. A computed difference has relative error u, a product or sum adds a factor (1 + u),
-// so a determinant whose terms pass k roundings each is off by at most k u (1 + tiny) times the sum of its terms'
-// absolute values. That sum is bounded by products of the largest absolute difference per axis (mx, my, mz) and of the
-// largest lift (the squared distance to the last point); the constants below are rounded up by 4 % or more, which also
-// pays for computing the bound in floating point, and for mx, my, mz being rounded.
+// The error bounds. Let u = 2^-53. A computed difference has relative error u, and a product or sum adds a factor (1 +
+// u). So a determinant whose terms pass k roundings each is off by at most k u (1 + tiny) times the sum of its terms'
+// absolute values. This sum is bounded by products of the largest absolute difference per axis (mx, my, mz) and of the
+// largest lift (the squared distance to the last point). The constants below are rounded up by 4 % or more. The reserve
+// covers the rounding of mx, my and mz, and of the bound itself.
 //   orientation_2    k = 4 (2 differences, product, sum); the sum is |l| + |r|                           4 u -> 5 u
 //   orientation_3    k = 8 (3 differences, product, sum, product, 2 sums); 6 terms                      48 u -> 50 u
 //   in_circle_2   k = 11 (4 differences, minor 2, lift 2, product, 2 sums); 6 terms                  66 u -> 70 u
 //   in_sphere_3   k = 16 (5 differences, minor 5, lift 3, product, 2 sums); 24 terms                384 u -> 400 u
-// A product that underflows is off by 2^-1075 more, times whatever it is multiplied by afterwards: less than 1e180 as
-// differences are held below 1e60; `underflow` covers all of that together. Larger differences (or overflow: infinite
-// or NaN) are left to the exact stages.
+// A product that underflows is off by another 2^-1075, times its later factors. These are below 1e180, because
+// differences are kept below 1e60. `underflow` covers all of that together. Larger differences, and overflow to
+// infinity or NaN, are left to the exact stages.
 namespace filter {
 inline constexpr double u = 0x1p-53;
 inline constexpr double underflow = 1e-130;
 inline constexpr double lift_max = 1e120;
 inline constexpr double difference_max = 1e60;
 
-// +1 or -1 when certain, else 0.
+// Returns +1 or -1 when the sign is certain, else 0.
 inline int sign_beyond(double value, double error) { return (value > error) - (value < -error); }
 inline double max_abs(double a, double b) { return std::max(std::abs(a), std::abs(b)); }
 inline double max_abs(double a, double b, double c) { return std::max(max_abs(a, b), std::abs(c)); }
@@ -65,7 +65,7 @@ inline double max_abs(double a, double b, double c, double d) { return std::max(
 
 inline int orientation_2(const Point& a, const Point& b, const Point& c) {
   const double l = (a.x - c.x) * (b.y - c.y), r = (a.y - c.y) * (b.x - c.x);
-  // An overflow makes the error infinite or NaN, so nothing is certain.
+  // An overflow makes the error infinite or NaN, so no sign is certain.
   return sign_beyond(l - r, 5 * u * (std::abs(l) + std::abs(r)) + underflow);
 }
 
@@ -111,7 +111,7 @@ inline int in_sphere_3(const Point& a, const Point& b, const Point& c, const Poi
 }
 }  // namespace filter
 
-// Each of the following, with the stage that decided.
+// Each predicate below, with the stage that decided.
 inline Staged orientation_2_staged(const Point& a, const Point& b, const Point& c) {
   const int sign = filter::orientation_2(a, b, c);
   return sign != 0 ? Staged{sign, Stage::filter} : orientation_2_exact(a, b, c);
@@ -129,41 +129,43 @@ inline Staged in_sphere_3_staged(const Point& a, const Point& b, const Point& c,
   return sign != 0 ? Staged{sign, Stage::filter} : in_sphere_3_exact(a, b, c, d, e);
 }
 
-// The sign of the area of (a, b, c): positive when counterclockwise. As CGAL::orientation.
+// The sign of the area of (a, b, c): positive when counterclockwise. Equals CGAL::orientation.
 inline int orientation_2(const Point& a, const Point& b, const Point& c) { return orientation_2_staged(a, b, c).sign; }
 
-// The sign of the volume of (a, b, c, d), of det(b - a, c - a, d - a). As CGAL::orientation.
+// The sign of the volume of (a, b, c, d), which is det(b - a, c - a, d - a). Equals CGAL::orientation.
 inline int orientation_3(const Point& a, const Point& b, const Point& c, const Point& d) {
   return orientation_3_staged(a, b, c, d).sign;
 }
 
-// Positive when d is inside the circle of the counterclockwise (a, b, c), negative outside, 0 on it; the opposite for
-// clockwise ones. As CGAL::side_of_oriented_circle.
+// Positive when d is inside the circle of the counterclockwise (a, b, c), negative when outside, 0 on the circle. The
+// opposite for a clockwise (a, b, c). Equals CGAL::side_of_oriented_circle.
 inline int in_circle_2(const Point& a, const Point& b, const Point& c, const Point& d) {
   return in_circle_2_staged(a, b, c, d).sign;
 }
 
-// Positive when e is inside the sphere of the positively oriented (a, b, c, d). As CGAL::side_of_oriented_sphere.
+// Positive when e is inside the sphere of the positively oriented (a, b, c, d), negative when outside, 0 on the sphere.
+// Equals CGAL::side_of_oriented_sphere.
 inline int in_sphere_3(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
   return in_sphere_3_staged(a, b, c, d, e).sign;
 }
 
-// The sign of the area of (a, b, c) seen along the first of the z, x, y axes along which it is not 0; 0 when collinear.
-// Within one plane it is an orientation: the axis is the same for all triangles. As CGAL::coplanar_orientation.
+// The sign of the area of (a, b, c) seen along the first of the axes z, x, y along which the area is not 0; 0 when the
+// points are collinear. Within one plane the sign is an orientation, because the axis is the same for all triangles.
+// Equals CGAL::coplanar_orientation.
 int coplanar_orientation(const Point& a, const Point& b, const Point& c);
-// Whether a, b, c lie on one line.
+// Whether a, b and c lie on one line.
 inline bool collinear_3(const Point& a, const Point& b, const Point& c) { return coplanar_orientation(a, b, c) == 0; }
-// Positive when d, in the plane of the triangle (a, b, c) of either orientation, is inside its circle; 0 on it.
+// Positive when d is inside the circle of the triangle (a, b, c), which may have either orientation; 0 on the circle.
 // REQUIRES: a, b, c are not collinear; d is coplanar with them.
 int coplanar_in_circle(const Point& a, const Point& b, const Point& c, const Point& d);
 
-// What the symbolic perturbation of Devillers & Teillaud (SODA 2003) makes of a tie: the sign of the predicate of the
-// same name when that is 0. The points are distinct.
+// The sign that the symbolic perturbation of Devillers & Teillaud (SODA 2003) gives to a predicate that is 0. REQUIRES:
+// the points are distinct.
 int in_circle_tie_2(const Point& a, const Point& b, const Point& c, const Point& d);
 int in_sphere_tie_3(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e);
 
-// As above, but never 0 for distinct points that are not all collinear or coplanar, respectively.
-// REQUIRES: (a, b, c) counterclockwise, (a, b, c, d) positive.
+// The predicates with perturbation: never 0 for distinct points that are not all collinear (2D) or coplanar (3D).
+// REQUIRES: (a, b, c) is counterclockwise, (a, b, c, d) is positively oriented.
 inline int in_circle_perturbed_2(const Point& a, const Point& b, const Point& c, const Point& d) {
   const int sign = in_circle_2(a, b, c, d);
   return sign != 0 ? sign : in_circle_tie_2(a, b, c, d);
@@ -172,8 +174,9 @@ inline int in_sphere_perturbed_3(const Point& a, const Point& b, const Point& c,
   const int sign = in_sphere_3(a, b, c, d, e);
   return sign != 0 ? sign : in_sphere_tie_3(a, b, c, d, e);
 }
-// Whether d is in conflict with the facet (a, b, c) of the hull, in the plane of which it lies: +1 or -1.
-// REQUIRES: a, b, c are not collinear; d is coplanar with them and distinct.
+// Whether d, a point in the plane of the hull facet (a, b, c), is in conflict with the infinite cell behind it: +1 or
+// -1.
+// REQUIRES: a, b, c are not collinear; d is coplanar with them and distinct from them.
 int coplanar_in_circle_perturbed(const Point& a, const Point& b, const Point& c, const Point& d);
 
 }  // namespace tessera::exact

@@ -1,7 +1,7 @@
-// Exact predicates. The ties follow Devillers & Teillaud, Perturbations and vertex removal in a 3D Delaunay
-// triangulation, SODA 2003, written out here and not borrowed from CGAL's triangulation: verify must not repeat the
-// engine's own code.
-#include "src/base/ieee_arithmetic.h"  // first: the compiler is then refused at once
+// Ties follow Devillers & Teillaud, Perturbations and vertex removal in a 3D Delaunay triangulation, SODA 2003. The
+// rule is written out here and not borrowed from CGAL's triangulation, because verify must not repeat the engine's own
+// code.
+#include "src/base/ieee_arithmetic.h"  // first, so that the compiler refuses unsafe flags at once
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
@@ -27,9 +27,10 @@ int orientation_2(const Point& a, const Point& b, const Point& c) { return CGAL:
 
 bool collinear_3(const Point& a, const Point& b, const Point& c) { return CGAL::collinear(c3(a), c3(b), c3(c)); }
 
-// The lexicographically greatest point is lifted by the largest infinitesimal, the next by a smaller one, and so on. So
-// the greatest point whose lift matters decides: if it is the query, the query rises out of the sphere; if it is a
-// vertex, the sphere bends towards or away from the query as the orientation with the query in its place tells.
+// The perturbation lifts the lexicographically greatest point by the largest infinitesimal, the next point by a smaller
+// one, and so on. So the greatest point whose lift matters decides. If this point is the query, the query rises out of
+// the sphere. If it is a vertex, the sphere bends towards or away from the query; the orientation with the query in the
+// vertex's place says which.
 int in_sphere_perturbed_3(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
   if (const int side = CGAL::side_of_oriented_sphere(c3(a), c3(b), c3(c), c3(d), c3(e)); side != 0) return side;
   const std::array<const Point*, 4> cell{&a, &b, &c, &d};
