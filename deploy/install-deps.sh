@@ -31,6 +31,7 @@ test=(
   strace                                    # shows what is opened
   libmaxflow-dev                            # what minimum cuts are compared with
   spin                                      # searches the models of the cluster
+  clang-format                              # judges how sources look
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )
 demo=(xvfb xauth)

@@ -1,7 +1,8 @@
 // The volume (in 2D: the area) of the convex hull of a point cloud, summed over the simplices of its Delaunay
 // triangulation, tile by tile: only one tile is in memory at a time.
 //
-//   volume [FILE...]      LAS, LAZ, PLY, OBJ, text, NumPy, ...; without a file: a million random points in the unit cube
+//   volume [FILE...]      LAS, LAZ, PLY, OBJ, text, NumPy, ...
+//   volume                a million random points in the unit cube
 #include <tessera/tessera.h>
 
 #include <array>

@@ -36,7 +36,7 @@ class Exempt {
   }
 
 EXEMPT(std::string, options_key, JobOptions, "_ZN7tessera11options_keyB5cxx11ERKNS_10JobOptionsE")
-EXEMPT(Result<std::uint64_t>, write_plan, RoutedCloud, "_ZN7tessera10write_planERKNS_9RoutedRunE")
+EXEMPT(Result<std::uint64_t>, write_plan, RoutedCloud, "_ZN7tessera10write_planERKNS_11RoutedCloudE")
 EXEMPT(Result<RoutedCloud>, open_run, std::filesystem::path, "_ZN7tessera8open_runERKNSt10filesystem7__cxx114pathE")
 EXEMPT(std::string, to_json, Partition, "_ZNK7tessera9Partition7to_jsonB5cxx11Ev")
 EXEMPT(std::string, manifest_to_text, Manifest, "_ZN7tessera5store16manifest_to_textB5cxx11ERKNS_8ManifestE")
