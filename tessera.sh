@@ -69,19 +69,21 @@ run_tests() {
   return $status
 }
 
+nightly() {
+  build engine_product
+  cmake --build $build_folder --target nightly
+  # Each source includes what it uses, also where no header is precompiled.
+  cmake --preset release -B build/plain -DTESSERA_PRECOMPILED=OFF
+  cmake --build build/plain -j "$jobs"
+}
+
 case "${1:-help}" in
   build) build tessera_command tesserad ;;
   all) build all ;;
   demo) demo ;;
   serve) shift; serve "$@" ;;
   test) shift; run_tests "$@" ;;
-  nightly)
-    build engine_product
-    cmake --build $build_folder --target nightly
-    # Each source includes what it uses, also where no header is precompiled.
-    cmake --preset release -B build/plain -DTESSERA_PRECOMPILED=OFF
-    cmake --build build/plain -j "$jobs"
-    ;;
+  nightly) nightly ;;
   tidy) tidy ;;
   format) deploy/install-deps.sh clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;
   deps) shift; deploy/install-deps.sh "$@" ;;
