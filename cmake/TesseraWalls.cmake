@@ -1,5 +1,6 @@
-# Include roots. `#include "src/input/reader.h"` finds its file through a folder that holds nothing but links to what stands in that folder. Only
-# targets that link tessera_input have it as include path: what is not linked cannot be included.
+# Include roots. `#include "src/input/reader.h"` finds its file through a folder that holds nothing but links to
+# what stands in src/input. Only targets that link tessera_input have that folder as include path: what is not linked cannot
+# be included.
 #
 # Each header has one such path, so `#pragma once` sees it once; compilers and debuggers follow the link to the source.
 set(TESSERA_ROOTS ${PROJECT_BINARY_DIR}/roots)

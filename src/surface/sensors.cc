@@ -66,8 +66,8 @@ Status Sensors::use_estimate(const EstimatedTrack& estimate, const std::vector<A
                                                   : ": of flight line " + std::to_string(estimate.lines[0].line) +
                                                         ", " + estimate.lines[0].refused));
     used_ =
-        "sensors: straight above each point, as neither pulses with several returns nor scan angles tell where they "
-        "were";
+        "sensors: straight above each point, as neither pulses with several returns nor scan angles tell where the "
+        "scanner was";
     return success();
   }
   track_ = std::make_shared<const Track>(estimate.track);
@@ -117,7 +117,7 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
     }
     case SensorOptions::Kind::track: {
       sensors.track_ = options.track;
-      sensors.automatic_ = options.else_above;
+      sensors.else_above_ = options.else_above;
       if (!sensors.track_) return error(Errc::usage, "no track is given");
       sensors.used_ = "sensors: by the track, at each point's gps_time";
       BOOST_OUTCOME_TRYV(sensors.find_times(schema));
@@ -127,12 +127,12 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
       for (const char* name : {"scan_angle", "gps_time"})
         if (!column_of(schema, name))
           return error(Errc::usage, std::string("the points have no ") + name +
-                                        ", without which scan angles do not tell where their sensors were");
-      sensors.by_angles_ = true;
+                                        ", which is needed to find their sensors from scan angles");
+      sensors.else_above_ = sensors.by_angles_ = true;
       return sensors;
     }
     case SensorOptions::Kind::automatic: {
-      sensors.automatic_ = true;
+      sensors.else_above_ = true;
       BOOST_OUTCOME_TRYV(sensors.find(schema, false));
       if (!sensors.fields_.empty()) return sensors;
       sensors.used_ = "sensors: straight above each point, as no attribute tells where they were";
@@ -159,7 +159,7 @@ SensorOptions Sensors::found() const {
       break;
     case How::track:
       options.kind = SensorOptions::Kind::track;
-      options.else_above = automatic_ || by_angles_;
+      options.else_above = else_above_;
       break;
   }
   return options;
@@ -193,7 +193,7 @@ Result<std::optional<Sensors::Sensor>> Sensors::of(const Point& p, PointId id, c
       const double time = fields_[0].value(row);
       const double line = fields_.size() > 1 ? fields_[1].value(row) : 0;
       const auto at = line >= 0 && line < 4e9 ? track_->at(static_cast<std::uint32_t>(line), time) : std::nullopt;
-      if (!at && !automatic_ && !by_angles_) return std::optional<Sensor>();
+      if (!at && !else_above_) return std::optional<Sensor>();
       guessed = !at;
       sensor = at.value_or(Point{p.x, p.y, top_});
       break;

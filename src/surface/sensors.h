@@ -47,8 +47,8 @@ class Sensors {
   // for. Also error usage as make(). REQUIRES: an estimate is wanted.
   Status use_estimate(const EstimatedTrack& estimate, const std::vector<Attribute>& schema);
   // Whether nothing better than straight above was found, so that pulses or angles are wanted.
-  bool wants_pulses() const { return how_ == How::vertical && automatic_; }
-  bool wants_angles() const { return how_ == How::vertical && (automatic_ || by_angles_); }
+  bool wants_pulses() const { return wants_angles() && !by_angles_; }
+  bool wants_angles() const { return how_ == How::vertical && else_above_; }
 
   struct Sensor {
     Point at;
@@ -73,8 +73,9 @@ class Sensors {
   std::vector<RowColumn> fields_;  // the columns that how_ needs
   std::vector<Point> positions_;
   std::shared_ptr<const Track> track_;
-  bool automatic_ = false, by_angles_ = false;
-  double far_ = 0;  // more than the distance of any two points
+  bool else_above_ = false;  // where nothing better is known, sensors are straight above
+  bool by_angles_ = false;   // scan angles alone are asked for, not pulses
+  double far_ = 0;           // more than the distance of any two points
   double top_ = 0;
   std::string used_;
 };

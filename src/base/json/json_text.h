@@ -1,5 +1,5 @@
-// JSON values to text and back. nlohmann's templates take a second for each source file that includes them, so they are
-// compiled once here.
+// JSON values to text and back. nlohmann's writer and parser are templates. Compiled here once, they save each source
+// file that calls them a second or more.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -77,9 +77,8 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
   const bool with_pulses = pulses.missing().empty(), with_angles = angles.missing().empty();
   if (!with_pulses && !with_angles)
     return error(Errc::usage, "the points have no " + pulses.missing() +
-                                  ", without which nobody can tell which returns are of one pulse, and when it was; "
-                                  "and no " +
-                                  angles.missing() + ", without which nobody can tell at which angle they were seen");
+                                  ", which is needed to find pulses with several returns; and no " + angles.missing() +
+                                  ", which is needed to use scan angles");
   const std::size_t width = row_bytes(cloud.schema());
   BOOST_OUTCOME_TRYV(cloud.for_each_batch([&](CloudBatch& batch) -> Status {
     if (interrupt.token().stop_requested()) return error(Errc::interrupted, "interrupted while reading points");
@@ -93,9 +92,9 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
   const EstimatedTrack found = estimate_track(pulses.take(), angles.take());
   if (found.track.empty()) {
     print(found, target, output);
-    return error(Errc::bad_input, found.lines.empty()
-                                      ? "there are no pulses with a first and a last return, and no scan angles"
-                                      : "on no flight line pulses or scan angles tell where the scanner was");
+    return error(Errc::bad_input,
+                 found.lines.empty() ? "the points have no pulses with a first and a last return, and no scan angles"
+                                     : "neither pulses nor scan angles tell where the scanner was, on any flight line");
   }
   BOOST_OUTCOME_TRYV(write_whole(target, found.track.to_csv()));
   print(found, target, output);

@@ -75,7 +75,7 @@ TrackLine estimate_line(std::span<const Observed> observed, TrackLine told, Trac
   } else if (windows.empty() || static_cast<double>(windows.size()) < kept_min * static_cast<double>(told.windows)) {
     told.refused = told.from == TrackLine::From::pulses
                        ? "its pulses do not come together in one place"
-                       : "its scan angles span too little, or do not agree on where the scanner was";
+                       : "its scan angles span too little, or do not agree on a place of the scanner";
   }
   if (!told.refused.empty()) return told;
   std::vector<double> degrees, heights;
