@@ -10,7 +10,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/random.h"
 #include "src/exchange/terms.h"
-#include "src/service/costs.h"
+#include "src/service/processes/costs.h"
 #include "src/service/data_format.h"
 #include "src/service/service.h"
 

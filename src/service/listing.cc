@@ -13,8 +13,8 @@
 #include "src/input/cloud/cloud.h"
 #include "src/input/format.h"
 #include "src/service/deadline.h"
-#include "src/service/kinds.h"
-#include "src/service/owners.h"
+#include "src/service/processes/kinds.h"
+#include "src/service/results/owners.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 

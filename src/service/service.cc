@@ -15,7 +15,7 @@
 #include "src/service/beneath.h"
 #include "src/service/data_folder.h"
 #include "src/service/data_format.h"
-#include "src/service/kept_inputs.h"
+#include "src/service/jobs/kept_inputs.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 

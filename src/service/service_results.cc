@@ -10,8 +10,8 @@
 #include "src/base/files/names.h"
 #include "src/base/json/json_text.h"
 #include "src/job/report/human.h"
-#include "src/service/costs.h"
-#include "src/service/owners.h"
+#include "src/service/processes/costs.h"
+#include "src/service/results/owners.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 

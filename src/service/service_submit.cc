@@ -6,14 +6,14 @@
 
 #include "src/job/open_cloud.h"
 #include "src/job/report/human.h"
-#include "src/service/costs.h"
+#include "src/service/processes/costs.h"
 #include "src/service/deadline.h"
-#include "src/service/drawing_options.h"
-#include "src/service/kept_inputs.h"
-#include "src/service/owners.h"
+#include "src/service/processes/drawing_options.h"
+#include "src/service/jobs/kept_inputs.h"
+#include "src/service/results/owners.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
-#include "src/service/work_region.h"
+#include "src/service/processes/work_region.h"
 
 namespace tessera {
 namespace {

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "src/service/costs.h"
-#include "src/service/deaths.h"
-#include "src/service/kept_inputs.h"
+#include "src/service/processes/costs.h"
+#include "src/service/jobs/deaths.h"
+#include "src/service/jobs/kept_inputs.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 

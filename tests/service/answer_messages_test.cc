@@ -1,4 +1,4 @@
-#include "src/service/answer_messages.h"
+#include "src/service/questions/answer_messages.h"
 
 #include <gtest/gtest.h>
 

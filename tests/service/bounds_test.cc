@@ -11,9 +11,9 @@
 #include "src/base/ledger.h"
 #include "src/job/engine_steps.h"
 #include "src/result/tileset/tileset.h"
-#include "src/service/kinds.h"
+#include "src/service/processes/kinds.h"
 #include "src/service/staging_folder.h"
-#include "src/service/work.h"
+#include "src/service/processes/work.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "src/base/files/names.h"
-#include "src/service/deaths.h"
+#include "src/service/jobs/deaths.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {

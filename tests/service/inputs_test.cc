@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "src/service/naming.h"
-#include "src/service/roots.h"
+#include "src/service/inputs/roots.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {

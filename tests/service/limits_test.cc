@@ -6,9 +6,9 @@
 
 #include "src/base/files/names.h"
 #include "src/service/deadline.h"
-#include "src/service/kept_inputs.h"
+#include "src/service/jobs/kept_inputs.h"
 #include "src/service/staging_folder.h"
-#include "src/service/uploads.h"
+#include "src/service/inputs/uploads.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {

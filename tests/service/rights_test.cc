@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "src/service/owners.h"
+#include "src/service/results/owners.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {

@@ -1,7 +1,7 @@
 // More names in the data folder of a service (names.h), of files that say who may do what:
 //
 //   DATA/sessions                  browsers that have shown a token (src/service/http/sessions.h)
-//   .../.NAME.owner                who made the export or upload NAME (src/service/owners.h)
+//   .../.NAME.owner                who made the export or upload NAME (src/service/results/owners.h)
 #pragma once
 
 #include <filesystem>

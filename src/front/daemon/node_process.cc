@@ -23,7 +23,7 @@
 #include "src/front/daemon/process_watch.h"
 #include "src/front/daemon/supervisor.h"
 #include "src/job/engine_steps.h"
-#include "src/service/costs.h"
+#include "src/service/processes/costs.h"
 #include "src/service/data_format.h"
 #include "src/service/http/node_health.h"
 #include "src/service/http/server.h"

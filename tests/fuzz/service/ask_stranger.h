@@ -17,8 +17,8 @@
 
 #include "src/base/files/temporary.h"
 #include "src/base/point.h"
-#include "src/service/answer_messages.h"
-#include "src/service/convert.h"
+#include "src/service/questions/answer_messages.h"
+#include "src/service/processes/convert.h"
 #include "src/service/http/front.h"
 #include "src/service/http/head.h"
 #include "src/service/http/processes.h"

@@ -1,0 +1,41 @@
+// What results offer for maps: collections of features, and a raster of heights.
+#pragma once
+
+#include <array>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/service/results/result_folders.h"
+#include "src/service/service.h"
+
+namespace tessera {
+
+// Thread-safe.
+class Collections {
+ public:
+  explicit Collections(Results& results) : results_(results) {}
+
+  Reply<std::vector<FeatureCollection>> list();
+  Reply<FeatureCollection> find(std::string_view id);
+  Reply<std::array<double, 4>> map_extent(std::string_view name);
+
+ private:
+  struct Place {
+    std::array<double, 4> extent{};  // west, south, east and north
+    std::string storage_crs;
+  };
+  // The place of a result on the earth; nothing when it is unknown or cannot be computed.
+  std::optional<Place> place_of(const Results::Held& held);
+  Result<std::optional<FeatureCollection>> make(const std::string& name, const std::string& kind,
+                                                const Results::Held& held);
+
+  Results& results_;
+  std::mutex mutex_;
+  std::map<std::string, std::optional<Place>> places_;  // by the identity of the result
+};
+
+}  // namespace tessera

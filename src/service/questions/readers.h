@@ -1,0 +1,53 @@
+// Keeps a few results open for questions, those used last, within a memory budget.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/result/query/stored_triangulation.h"
+#include "src/service/results/result_folders.h"
+
+namespace tessera {
+
+// An open result. It stays the same result, even when another one gets its name.
+struct Reader {
+  std::string name;
+  Results::Held held;
+  query::StoredTriangulation stored;
+  std::stop_source gone;  // stopped when the result is removed
+  struct Hull {
+    std::mutex mutex;
+    std::optional<std::vector<Point>> points;
+  };
+  std::unique_ptr<Hull> hull = std::make_unique<Hull>();  // set when first asked for
+};
+
+class Readers {
+ public:
+  // Each reader gets its part of `memory_bytes` for tiles; what running questions hold comes on top.
+  Readers(Results& results, std::uint64_t memory_bytes) : results_(results), memory_bytes_(memory_bytes) {}
+
+  // Opens the result that has this name now. Errors: those of Results::hold() and StoredTriangulation::open().
+  Result<std::shared_ptr<Reader>> open(std::string_view name);
+  // Stops the questions that still use the result; then its memory is freed.
+  void close(std::string_view name);
+  std::size_t count() const;
+
+ private:
+  static constexpr std::size_t readers_max = 4;
+
+  Results& results_;
+  const std::uint64_t memory_bytes_;
+  mutable std::mutex mutex_;
+  std::list<std::shared_ptr<Reader>> readers_;  // the most recently used first
+};
+
+}  // namespace tessera
