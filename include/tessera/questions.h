@@ -71,6 +71,10 @@ class TESSERA_PUBLIC Questions {
   // Returns the cells around a vertex. `tile`: the owner of the vertex; if it is not given, tiles are read until the
   // vertex is found. Failure: also usage for a source index that no point has.
   Star star(std::uint64_t vertex, std::optional<std::uint32_t> tile = {}, std::stop_token stop = {}) const;
+  // Returns the source indices of the vertices that share an edge with a vertex, ascending. Arguments and failure: as
+  // star().
+  std::vector<std::uint64_t> neighbours(std::uint64_t vertex, std::optional<std::uint32_t> tile = {},
+                                        std::stop_token stop = {}) const;
   // Returns all cells that have a point in common with the closed box: d lower bounds, then d upper bounds. In the Tile
   // that is returned no vertex is foreign and no cell is a ghost. Its neighbours are -1 where the neighbour is not one
   // of these cells, and its id() has no meaning. Failure: also memory for more than `cells_max` cells.

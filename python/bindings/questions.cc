@@ -27,6 +27,11 @@ py::tuple star(const Questions& self, std::uint64_t vertex, std::optional<std::u
                         given<std::int32_t>(std::move(found.cell_tiles)));
 }
 
+py::array neighbours(const Questions& self, std::uint64_t vertex, std::optional<std::uint32_t> tile) {
+  return given<std::int64_t>(
+      run_interruptible([&](std::stop_token stop) { return self.neighbours(vertex, tile, std::move(stop)); }));
+}
+
 py::tuple interpolate(const Questions& self, const Coordinates& points, const std::string& value, bool natural,
                       bool weights) {
   const auto span = span_of(points);
@@ -44,6 +49,7 @@ void bind_questions(py::module_& module) {
       .def(py::init<const Triangulation&, std::uint64_t, unsigned>(), py::call_guard<py::gil_scoped_release>())
       .def("locate", &locate, py::arg("points").noconvert(), py::arg("dimension"))
       .def("star", &star)
+      .def("neighbours", &neighbours)
       .def("cells_of_box",
            [](const Questions& self, const std::vector<double>& box, std::uint64_t cells_max) {
              return run_interruptible(

@@ -102,6 +102,15 @@ class Answers:
         owner = None if tile is None else index(tile, "tile", 10**6)
         return Star(*self._asked().star(rank, owner, self._triangulation.dimension))
 
+    def neighbours(self, vertex: int, tile: int | None = None) -> npt.NDArray[np.int64]:
+        """Returns the ranks of the vertices that share an edge with a vertex, ascending.
+
+        `vertex` and `tile` are as in star(), and so are the errors.
+        """
+        rank = index(vertex, "vertex", 2**63 - 1)
+        owner = None if tile is None else index(tile, "tile", 10**6)
+        return self._asked().neighbours(rank, owner)
+
     def cells(self, bbox: npt.ArrayLike | None = None, polygon: typing.Any = None, limit: int | None = None) -> Part:
         """Returns the cells that have a point in common with a box or with polygons, as one tile.
 

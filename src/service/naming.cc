@@ -91,4 +91,9 @@ Clock::time_point time_of(std::string_view text) {
   return Clock::from_time_t(::timegm(&parts)) + std::chrono::milliseconds(ms);
 }
 
+std::string time_of_file(std::int64_t seconds, std::int64_t nanoseconds) {
+  return time_text(std::chrono::system_clock::from_time_t(seconds) +
+                   std::chrono::milliseconds(nanoseconds / 1'000'000));
+}
+
 }  // namespace tessera

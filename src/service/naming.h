@@ -33,5 +33,7 @@ class JobIds {
 // RFC 3339 in UTC with milliseconds: "2026-11-22T08:40:28.123Z". time_of() returns 1970 for a text that it cannot read.
 std::string time_text(std::chrono::system_clock::time_point time);
 std::chrono::system_clock::time_point time_of(std::string_view text);
+// The text of a file's time.
+std::string time_of_file(std::int64_t seconds, std::int64_t nanoseconds = 0);
 
 }  // namespace tessera

@@ -86,6 +86,12 @@ proto::Problem problem(int status, std::string_view detail, Errc cause) {
 
 proto::Problem problem_of(const Error& error) { return problem(status_of(error), error.where, error.code); }
 
+proto::Problem reworded(proto::Problem problem, const std::function<std::string(const std::string&)>& how) {
+  problem.set_detail(how(problem.detail()));
+  if (problem.has_marked()) problem.set_marked(how(problem.marked()));
+  return problem;
+}
+
 proto::Problem no_such_job(std::string_view id) {
   auto made = problem(404, "there is no job '" + std::string(id) + "'", Errc::usage);
   made.set_type(std::string(ogc) + "no-such-job");

@@ -86,6 +86,8 @@ TEST_P(QuestionsIn, AStarHasTheCellsOfItsVertex) {
     EXPECT_EQ(star.cell_tiles.size(), wanted.size());
     EXPECT_EQ(questions_.star(vertex, star.tile).cells, star.cells);
     EXPECT_GT(star.voronoi_volume, 0);
+    EXPECT_EQ(questions_.neighbours(vertex), star.neighbors);
+    EXPECT_EQ(questions_.neighbours(vertex, star.tile), star.neighbors);
   }
 }
 
@@ -112,6 +114,7 @@ TEST_P(QuestionsIn, WhatMakesNoSenseIsRefused) {
   EXPECT_EQ(failure_of([&] { questions_.locate(nan); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { questions_.locate(std::vector<double>(corners_)); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { questions_.star(1'000'000); }).cause(), Cause::usage);
+  EXPECT_EQ(failure_of([&] { questions_.neighbours(1'000'000); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { questions_.cells_of_box(nan); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { questions_.cells_of_polygons("{}"); }).cause(), Cause::bad_input);
   EXPECT_EQ(failure_of([&] { questions_.interpolate(points_, "colour"); }).cause(), Cause::usage);

@@ -73,9 +73,19 @@ class Query(CliTest):
         self.assertTrue(corner["on_hull"])
         self.assertIn("unbounded", self.ok("query", self.out, "star", "0"))
 
+    def test_neighbours_are_those_of_the_star(self):
+        self.ground()
+        star = json.loads(self.ok("query", self.out, "star", "44", "--json"))
+        ids = [vertex["id"] for vertex in star["neighbors"]]
+        told = json.loads(self.ok("query", self.out, "neighbours", "44", "--json"))
+        self.assertEqual(told, {"asked": 44, "vertex": 44, "on_hull": False, "neighbors": ids})
+        self.assertEqual(self.ok("query", self.out, "neighbours", "44", "--tile", star["vertex"]["tile"]),
+                         f"vertex 44 has {len(ids)} neighbours: {' '.join(map(str, ids))}\n")
+        self.assertIn("vertex 0, on the hull, has ", self.ok("query", self.out, "neighbours", "0"))
+
     def test_one_answer_has_the_format_that_is_asked_for_or_is_refused(self):
         self.ground()
-        for question, about in (("star", "44"), ("locate", "4.25,5.5")):
+        for question, about in (("star", "44"), ("neighbours", "44"), ("locate", "4.25,5.5")):
             as_json = self.ok("query", self.out, question, about, "--json")
             self.assertEqual(self.ok("query", self.out, question, about, "--format", "json"), as_json)
             for other in ("csv", "npy", "nonsense"):
@@ -140,7 +150,9 @@ class Query(CliTest):
         out = self.out
         for says, question in [("no question", ["height", "1,1"]), ("is not a point", ["locate", "a,b"]),
                                ("has 1 coordinates", ["locate", "4"]), ("one point", ["locate"]),
-                               ("source index", ["star", "x"]), ("has no vertex 100", ["star", "100"]),
+                               ("source index", ["star", "x"]), ("has no vertex 100", ["star", "100"]), ("has no vertex 100", ["neighbours", "100"]),
+                               ("belongs to 'star' and 'neighbours'", ["locate", "1,1", "--tile", "0"]),
+                               ("there are locate, star, neighbours, cells and interpolate", ["where", "1"]),
                                ("--bbox or --polygon", ["cells", "-o", "a.vtu"]), ("add -o", ["cells", "--bbox", "0,0,1,1"]),
                                ("--bbox", ["cells", "--bbox", "0,0,1", "-o", "a.vtu"]),
                                ("intensity, z", ["interpolate", "ground.csv", "--value", "heat"]),

@@ -43,6 +43,8 @@ class Api(serving.ServerTest):
                                                                    "/v1/triangulations/none/locate?point=1,2"],
             ("POST", "/v1/triangulations/{triangulation}/locate"): ["/v1/triangulations/block/locate"],
             ("GET", "/v1/triangulations/{triangulation}/vertices/{vertex}/star"): ["/v1/triangulations/block/vertices/1/star"],
+            ("GET", "/v1/triangulations/{triangulation}/vertices/{vertex}/neighbours"):
+                ["/v1/triangulations/block/vertices/1/neighbours"],
             ("GET", "/v1/triangulations/{triangulation}/cells"): ["/v1/triangulations/block/cells?bbox=0,0,1,1"],
             ("POST", "/v1/triangulations/{triangulation}/cells"): ["/v1/triangulations/block/cells"],
             ("POST", "/v1/triangulations/{triangulation}/interpolate"): ["/v1/triangulations/block/interpolate?value=z"],

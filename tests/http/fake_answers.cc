@@ -73,6 +73,7 @@ Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
   if (question.about == Question::About::star)
     text =
         R"({"asked":1,"vertex":{"id":1,"tile":0,"point":[1,2]},"voronoi_volume":null,"on_hull":true,"neighbors":[],"cells":[]})";
+  if (question.about == About::neighbours) text = R"({"asked":1,"vertex":1,"on_hull":true,"neighbors":[2]})";
   if (question.about == About::map_tile) return QuestionAnswer{.text = "png", .type = "image/png"};
   if (question.about == About::features) {
     const std::string feature =
@@ -137,7 +138,7 @@ Reply<proto::ExportList> FakeBackend::exports(std::string_view name, std::uint32
   return list;
 }
 
-Reply<proto::InputList> FakeBackend::inputs(std::string_view folder, std::uint32_t, std::string_view, const Caller&) {
+Reply<proto::InputList> FakeBackend::list(std::string_view folder, std::uint32_t, std::string_view, const Caller&) {
   proto::InputList list;
   list.set_folder(std::string(folder));
   list.set_number_matched(0);

@@ -95,7 +95,7 @@ void FakeBackend::tell(int count) {
   for (int at = 0; at < count; ++at) publish(status);
 }
 
-Reply<Backend::Submitted> FakeBackend::submit(const proto::Inputs& inputs, const Caller& caller, std::string_view key) {
+Reply<Submitted> FakeBackend::submit(const proto::Inputs& inputs, const Caller& caller, std::string_view key) {
   if (inputs.has_triangulate() && inputs.triangulate().inputs_size() == 0)
     return refused(400, "inputs: must name at least one file");
   const std::scoped_lock lock(mutex_);
@@ -134,7 +134,7 @@ Reply<proto::Estimate> FakeBackend::estimate(const proto::Inputs& inputs, const 
 
 Reply<std::string> FakeBackend::info(const proto::InfoInputs&, const Caller&) { return std::string(R"({"points":7})"); }
 
-Reply<proto::JobList> FakeBackend::jobs(const JobQuery& query) {
+Reply<proto::JobList> FakeBackend::list(const JobQuery& query) {
   const std::scoped_lock lock(mutex_);
   proto::JobList list;
   bool begun = query.after.empty();
@@ -148,7 +148,7 @@ Reply<proto::JobList> FakeBackend::jobs(const JobQuery& query) {
   return list;
 }
 
-Reply<proto::StatusInfo> FakeBackend::job(std::string_view id) {
+Reply<proto::StatusInfo> FakeBackend::status(std::string_view id) {
   const std::scoped_lock lock(mutex_);
   for (const proto::StatusInfo& job : jobs_)
     if (job.job_id() == id) return job;
@@ -194,8 +194,7 @@ Reply<proto::JobTiles> FakeBackend::tiles(std::string_view id, bool with_layout)
 
 Reply<std::string> FakeBackend::outcome(std::string_view) { return std::string(R"({"proved":true})"); }
 
-Reply<std::unique_ptr<Backend::Subscription>> FakeBackend::subscribe(std::string_view id, std::uint64_t last,
-                                                                     OnEvent on_event) {
+Reply<std::unique_ptr<Subscription>> FakeBackend::subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) {
   if (before_subscribe) before_subscribe();
   auto watcher = std::make_unique<Watcher>(*this, std::string(id), std::move(on_event));
   const std::scoped_lock lock(mutex_);
@@ -224,7 +223,7 @@ void FakeBackend::wait_for_held(int count) {
   held_changed_.wait(lock, [&] { return held_ >= count; });
 }
 
-Reply<proto::TriangulationList> FakeBackend::triangulations(std::uint32_t, std::string_view after) {
+Reply<proto::TriangulationList> FakeBackend::list(std::uint32_t, std::string_view after) {
   {
     std::unique_lock lock(mutex_);
     wait_while_held(lock);
@@ -234,7 +233,7 @@ Reply<proto::TriangulationList> FakeBackend::triangulations(std::uint32_t, std::
   return list;
 }
 
-Reply<proto::TriangulationInfo> FakeBackend::triangulation(std::string_view name) {
+Reply<proto::TriangulationInfo> FakeBackend::info(std::string_view name) {
   if (name != "block") return refused(404, "there is no triangulation '" + std::string(name) + "'");
   proto::TriangulationInfo info;
   info.set_name("block");
@@ -248,7 +247,7 @@ Reply<ServedFile> FakeBackend::file(std::string_view name, std::string_view path
   return open(folder_ / "block" / "deep" / "tile.vtu", "application/xml", "\"xxh3-0123\"");
 }
 
-Reply<void> FakeBackend::remove_triangulation(std::string_view name, const Caller&) {
+Reply<void> FakeBackend::remove(std::string_view name, const Caller&) {
   if (name != "block") return refused(404, "there is no such triangulation");
   return refused(409, "a job works on it");
 }
@@ -258,8 +257,8 @@ Reply<void> FakeBackend::remove_export(std::string_view name, std::string_view f
   return success();
 }
 
-Reply<std::unique_ptr<Backend::Upload>> FakeBackend::upload(std::string_view folder, std::string_view file,
-                                                            std::uint64_t offset, const Caller&) {
+Reply<std::unique_ptr<Upload>> FakeBackend::upload(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                                   const Caller&) {
   std::string name = std::string(folder) + "/" + std::string(file);
   const std::scoped_lock lock(mutex_);
   std::string& there = uploads_[name];
@@ -296,7 +295,7 @@ Reply<void> FakeBackend::remove_upload(std::string_view folder, std::string_view
   return boost::outcome_v2::success();
 }
 
-Reply<proto::NodeList> FakeBackend::nodes() {
+Reply<proto::NodeList> FakeBackend::list() {
   proto::NodeList list;
   for (const char* name : {"a", "b"}) {
     proto::NodeInfo& node = *list.add_nodes();
@@ -316,9 +315,9 @@ Reply<proto::NodeInfo> FakeBackend::drain(std::string_view node, const Caller&) 
   return drained;
 }
 
-Backend::Figures FakeBackend::figures() const {
+ServiceFigures FakeBackend::figures() const {
   const std::scoped_lock lock(mutex_);
-  Figures figures;
+  ServiceFigures figures;
   figures.accepted = jobs_.size();
   figures.phase_seconds = {{"triangulating", 1.5}};
   figures.subscribers = watchers_.size();

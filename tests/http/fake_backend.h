@@ -14,15 +14,22 @@
 #include <string_view>
 #include <vector>
 
-#include "src/service/service.h"
+#include "src/service/backend.h"
 
 namespace tessera {
 
-class FakeBackend final : public Backend {
+class FakeBackend final : public ProcessesBackend,
+                          public JobsBackend,
+                          public ResultsBackend,
+                          public QuestionsBackend,
+                          public InputsBackend,
+                          public NodesBackend,
+                          public HealthBackend {
  public:
   // Makes a result "block" below `folder`, with a file of `file_bytes` bytes i % 251.
   FakeBackend(std::filesystem::path folder, std::uint64_t file_bytes);
   ~FakeBackend() override;
+  Backend backend() { return {*this, *this, *this, *this, *this, *this, *this}; }
 
   // The job is in that state from now on; watchers hear of it.
   void set_state(const std::string& id, const std::string& state);
@@ -42,8 +49,8 @@ class FakeBackend final : public Backend {
   Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller, std::string_view idempotency_key) override;
   Reply<proto::Estimate> estimate(const proto::Inputs& inputs, const Caller& caller) override;
   Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) override;
-  Reply<proto::JobList> jobs(const JobQuery& query) override;
-  Reply<proto::StatusInfo> job(std::string_view id) override;
+  Reply<proto::JobList> list(const JobQuery& query) override;
+  Reply<proto::StatusInfo> status(std::string_view id) override;
   Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) override;
   Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) override;
   Reply<ServedFile> log(std::string_view id) override;
@@ -51,13 +58,13 @@ class FakeBackend final : public Backend {
   Reply<proto::JobTiles> tiles(std::string_view id, bool with_layout) override;
   Reply<std::string> outcome(std::string_view id) override;
   Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) override;
-  Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) override;
-  Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
+  Reply<proto::TriangulationList> list(std::uint32_t limit, std::string_view after) override;
+  Reply<proto::TriangulationInfo> info(std::string_view name) override;
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
-  Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<void> remove(std::string_view name, const Caller& caller) override;
   Reply<proto::ExportList> exports(std::string_view name, std::uint32_t limit, std::string_view after) override;
-  Reply<proto::InputList> inputs(std::string_view folder, std::uint32_t limit, std::string_view after,
-                                 const Caller& caller) override;
+  Reply<proto::InputList> list(std::string_view folder, std::uint32_t limit, std::string_view after,
+                               const Caller& caller) override;
   Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
   Reply<std::string> identity(std::string_view name) override;
   // At once; but the star of vertex 13, and an estimate of "until.gone", only when nobody waits for it any more.
@@ -71,9 +78,9 @@ class FakeBackend final : public Backend {
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
   Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) override;
-  Reply<proto::NodeList> nodes() override;
+  Reply<proto::NodeList> list() override;
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
-  Figures figures() const override;
+  ServiceFigures figures() const override;
   std::optional<std::string> unready() const override;
   std::optional<std::string> lost() const override;
 

@@ -25,7 +25,7 @@ class FrontOf : public testing::Test {
   FrontOf()
       : folder_(testing::TempDir() + "front-" + random_hex(8)),
         backend_(folder_, 100),
-        front_(backend_, Tokens::open(folder_ / "tokens").value(), {}) {}
+        front_(backend_.backend(), Tokens::open(folder_ / "tokens").value(), {}) {}
   ~FrontOf() override { fs::remove_all(folder_); }
 
   Answer ask(const std::string& method, const std::string& target, const std::string& body = {}, Headers more = {}) {

@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   options.idle_time = std::chrono::milliseconds(number("idle_ms", 60'000));
   options.write_time = std::chrono::milliseconds(number("write_ms", 30'000));
   options.comment_time = std::chrono::milliseconds(number("comment_ms", 15'000));
-  auto started = http::Server::start(options, backend);
+  auto started = http::Server::start(options, backend.backend());
   if (!started) {
     std::cout << nlohmann::json{{"error", started.error().where}, {"status", static_cast<int>(started.error().code)}}
               << std::endl;

@@ -49,6 +49,8 @@ class Questions(unittest.TestCase):
                 around = everything[(everything == vertex).any(axis=1)]
                 self.assertEqual((star.vertex, rows(star.cells)), (vertex, rows(around)))
                 self.assertEqual(star.neighbors.tolist(), sorted(set(around.ravel().tolist()) - {vertex}))
+                self.assertEqual(t.neighbours(vertex).tolist(), star.neighbors.tolist())
+                self.assertEqual(t.neighbours(np.int64(vertex), star.tile).tolist(), star.neighbors.tolist())
                 self.assertEqual(star.point.tolist(), self.points[dim][vertex].tolist())
                 self.assertEqual(np.isinf(star.voronoi_volume), vertex in on_hull)
                 self.assertEqual(rows(t.star(vertex, tile=star.tile).cells), rows(around))
@@ -106,7 +108,7 @@ class Questions(unittest.TestCase):
     def test_what_makes_no_sense_is_refused(self):
         t = self.results[2]
         for question in (lambda: t.locate([[0.5, 0.5, 0.5]]), lambda: t.locate([[0.5, np.nan]]), lambda: t.locate([0.5, 0.5]),
-                         lambda: t.star(10**9), lambda: t.star(-1), lambda: t.cells(), lambda: t.cells(bbox=[0, 0, 1]),
+                         lambda: t.star(10**9), lambda: t.star(-1), lambda: t.neighbours(10**9), lambda: t.neighbours(-1), lambda: t.cells(), lambda: t.cells(bbox=[0, 0, 1]),
                          lambda: t.cells(bbox=[1, 0, 0, 1]), lambda: t.cells(bbox=[0, 0, 1, np.nan]), lambda: t.cells([0, 0, 1, 1], [[0, 0]]),
                          lambda: t.interpolate([[0.5, 0.5]]), lambda: t.interpolate([[0.5, 0.5]], "z", "cubic")):
             self.assertRaises(tessera.UsageError, question)

@@ -12,8 +12,8 @@
 #include "src/job/engine_steps.h"
 #include "src/result/tileset/tileset.h"
 #include "src/service/processes/kinds.h"
-#include "src/service/staging_folder.h"
 #include "src/service/processes/work.h"
+#include "src/service/staging_folder.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {
@@ -113,7 +113,7 @@ class Bounds : public ServiceTest {
     std::filesystem::create_directories(results_folder(data()));
     const auto desk = StagingFolder::lay(results_folder(data()), 1000, [] { return Status(success()); });
     EXPECT_TRUE(desk) << desk.error().where;
-    Results results(data(), *desk.value());
+    ResultFolders results(data(), *desk.value());
     EXPECT_TRUE(results.open({}));
     RegionClouds clouds(0);
     const auto before = files_of_data();

@@ -38,7 +38,7 @@ class ServiceDisk : public ServiceTest {
     failed_ = submit(triangulate("bad.xyz", "bad"));
     const auto forgotten = submit(triangulate("a.xyz", "other"));
     for (const auto& id : {made_, failed_, forgotten}) ended(id);
-    ASSERT_TRUE(service->dismiss(forgotten, admin));
+    ASSERT_TRUE(service->jobs().dismiss(forgotten, admin));
     service.reset();
     const auto begun = unfinished_folder(results_folder(data()), failed_);
     fs::create_directories(begun);
@@ -101,26 +101,26 @@ TEST_F(ServiceDisk, ATroubleWithItAtAnyCallIsToldAndNothingIsRemovedOrForgotten)
     service = std::move(made).value();
     EXPECT_EQ(status(made_).status(), "successful");
     EXPECT_EQ(status(failed_).status(), "failed");
-    if (const auto listed = service->triangulations(10, "")) {
+    if (const auto listed = service->results().list(10, "")) {
       EXPECT_EQ(listed.value().number_matched(), 2);
     } else {
       EXPECT_EQ(listed.error().status(), 500);
     }
-    if (const auto told = service->triangulation("block"); !told) {
+    if (const auto told = service->results().info("block"); !told) {
       EXPECT_EQ(told.error().status(), 500) << told.error().detail();
     }
-    if (const auto told = service->file("block", "manifest.json")) {
+    if (const auto told = service->results().file("block", "manifest.json")) {
       ::close(told.value().descriptor);
     } else {
       EXPECT_EQ(told.error().status(), 500) << told.error().detail();
     }
-    if (const auto size = service->uploaded("d", "f.xyz")) {
+    if (const auto size = service->inputs().uploaded("d", "f.xyz")) {
       EXPECT_EQ(size.value(), 6u);
     } else {
       EXPECT_EQ(size.error().status(), 500) << size.error().detail();
     }
     // Taken already, whatever the disk says.
-    const auto again = service->submit(triangulate("a.xyz", "block"), alice, "");
+    const auto again = service->processes().submit(triangulate("a.xyz", "block"), alice, "");
     ASSERT_FALSE(again);
     EXPECT_TRUE(again.error().status() == 409 || again.error().status() == 500) << again.error().detail();
     service.reset();

@@ -30,7 +30,7 @@ class Faults : public ServiceTest {
   std::set<std::string> die() {
     std::map<std::string, std::string> before;
     std::set<std::string> ran;
-    const auto listed = service->jobs({.limit = 1000}).value();
+    const auto listed = service->jobs().list({.limit = 1000}).value();
     for (const auto& job : listed.jobs()) {
       const auto text = before[job.id()] = content(record(job.id()));
       if (text.find("\"state\":\"running\"") != std::string::npos) ran.insert(job.id());
@@ -84,9 +84,9 @@ TEST_F(Faults, AJobDuringWhichTheProcessDiesThriceHasFailedAndCanBeResumed) {
   EXPECT_EQ(ended(neighbour).status(), "successful");
   restart();
   EXPECT_EQ(status(deadly).status(), "failed");
-  ASSERT_TRUE(service->resume(deadly, alice));
+  ASSERT_TRUE(service->jobs().resume(deadly, alice));
   EXPECT_EQ(ended(deadly).status(), "successful");
-  EXPECT_EQ(service->triangulation("deadly").value().vertices(), 400'000);
+  EXPECT_EQ(service->results().info("deadly").value().vertices(), 400'000);
 }
 
 TEST(Deaths, AreForgivenToAJobThatGetsOnInSteps) {
@@ -168,17 +168,17 @@ TEST_F(Faults, AJobWhoseRecordIsDamagedIsToldOfAndItsWorkIsKept) {
     EXPECT_NE(now.message().find("is not the record of a job"), std::string::npos) << now.message();
     EXPECT_EQ(now.problem().cause(), static_cast<int>(Errc::corrupt));
     EXPECT_EQ(told.size(), 1u);
-    EXPECT_FALSE(service->resume(id, admin));
+    EXPECT_FALSE(service->jobs().resume(id, admin));
     service.reset();
     EXPECT_EQ(content(record(id)), damaged);
     EXPECT_TRUE(fs::exists(work));
   }
   open();
-  ASSERT_TRUE(service->dismiss(id, admin));  // an admin may forget it
-  EXPECT_EQ(service->job(id).error().status(), 410);
+  ASSERT_TRUE(service->jobs().dismiss(id, admin));  // an admin may forget it
+  EXPECT_EQ(service->jobs().status(id).error().status(), 410);
   EXPECT_FALSE(fs::exists(work));
   restart();
-  EXPECT_EQ(service->job(id).error().status(), 410);
+  EXPECT_EQ(service->jobs().status(id).error().status(), 410);
 }
 
 // It is but a counter.
@@ -194,7 +194,7 @@ TEST_F(Faults, NumbersOfEventsThatAreDamagedStopNothingAndGoOnBeyondAllBefore) {
     open();
     EXPECT_EQ(told.size(), 1u) << damaged;
     std::uint64_t number = 0;
-    const auto handle = service->subscribe("", 0, [&](const auto& event) { number = event->id(); });
+    const auto handle = service->jobs().subscribe("", 0, [&](const auto& event) { number = event->id(); });
     ended(submit(triangulate("a.xyz")));
     service.reset();
     EXPECT_GT(number, 1'000'000'000'000u);
@@ -216,19 +216,19 @@ TEST_F(Faults, RetentionForgetsWhatEndedLongAgoAndNeverAResult) {
   std::ofstream(job_folder(data(), old) / "mine.txt") << "mine";
 
   open();  // off by default
-  EXPECT_EQ(service->jobs({}).value().number_matched(), 3);
+  EXPECT_EQ(service->jobs().list({}).value().number_matched(), 3);
   service.reset();
   options.retention_s = 3600;
   open();
-  while (service->job(old) || service->job(old_failed)) std::this_thread::yield();
-  EXPECT_EQ(service->job(old).error().status(), 410);
+  while (service->jobs().status(old) || service->jobs().status(old_failed)) std::this_thread::yield();
+  EXPECT_EQ(service->jobs().status(old).error().status(), 410);
   EXPECT_EQ(status(recent).status(), "successful");
-  EXPECT_EQ(service->triangulation("old").value().vertices(), 500);
+  EXPECT_EQ(service->results().info("old").value().vertices(), 500);
   EXPECT_FALSE(fs::exists(record(old)));
   EXPECT_TRUE(fs::exists(job_folder(data(), old) / "mine.txt"));
   restart();
-  EXPECT_EQ(service->job(old).error().status(), 410);
-  EXPECT_TRUE(service->triangulation("old"));
+  EXPECT_EQ(service->jobs().status(old).error().status(), 410);
+  EXPECT_TRUE(service->results().info("old"));
 }
 
 }  // namespace

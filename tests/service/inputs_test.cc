@@ -5,8 +5,8 @@
 
 #include <limits>
 
-#include "src/service/naming.h"
 #include "src/service/inputs/roots.h"
+#include "src/service/naming.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {
@@ -182,12 +182,12 @@ TEST_F(Inputs, NamesOfResultsStayInTheirFolder) {
                            "b"s,
                            "\xff"s, std::string(101, 'a')}) {
     EXPECT_EQ(refused(triangulate("a.xyz", name)).status(), 400) << name;
-    EXPECT_EQ(service->triangulation(name).error().status(), 404);
-    EXPECT_EQ(service->file(name, "manifest.json").error().status(), 404);
-    EXPECT_EQ(service->remove_triangulation(name, admin).error().status(), 404);
+    EXPECT_EQ(service->results().info(name).error().status(), 404);
+    EXPECT_EQ(service->results().file(name, "manifest.json").error().status(), 404);
+    EXPECT_EQ(service->results().remove(name, admin).error().status(), 404);
     EXPECT_EQ(refused(verify(name)).status(), 400);
-    EXPECT_EQ(service->job(name).error().status(), 404);
-    EXPECT_EQ(service->log(name).error().status(), 404);
+    EXPECT_EQ(service->jobs().status(name).error().status(), 404);
+    EXPECT_EQ(service->jobs().log(name).error().status(), 404);
   }
   EXPECT_EQ(ended(submit(triangulate("a.xyz", "été 1"))).status(), "successful");
 }
@@ -196,7 +196,7 @@ TEST_F(Inputs, OnlyFilesOfAResultAreServedWithTheirChecksumsAsTags) {
   open();
   ASSERT_EQ(ended(submit(triangulate("a.xyz", "a"))).status(), "successful");
   const auto serve = [&](const std::string& path) {
-    auto file = service->file("a", path);
+    auto file = service->results().file("a", path);
     if (file) ::close(file.value().descriptor);
     return file;
   };
@@ -222,31 +222,31 @@ TEST_F(Inputs, OnlyFilesOfAResultAreServedWithTheirChecksumsAsTags) {
 
 TEST_F(Inputs, UploadsAreThereWhenWholeAndWithinTheirLimit) {
   open();
-  EXPECT_EQ(service->upload("u", "a.xyz", 0, alice).error().status(), 403);
+  EXPECT_EQ(service->inputs().upload("u", "a.xyz", 0, alice).error().status(), 403);
   options.uploads = true;
   options.limits.upload_bytes = 100;
   service.reset();
   open();
   {
-    auto upload = service->upload("u", "a.xyz", 0, alice);
+    auto upload = service->inputs().upload("u", "a.xyz", 0, alice);
     ASSERT_TRUE(upload) << upload.error().detail();
-    EXPECT_EQ(service->upload("u", "a.xyz", 0, bob).error().status(), 409);
+    EXPECT_EQ(service->inputs().upload("u", "a.xyz", 0, bob).error().status(), 409);
     ASSERT_TRUE(upload.value()->write("0 0 0\n1 0 0\n"));
   }
   EXPECT_EQ(refused(triangulate("upload:u/a.xyz")).status(), 422);
-  EXPECT_EQ(service->uploaded("u", "a.xyz").value(), 12);
-  EXPECT_EQ(service->upload("u", "a.xyz", 5, alice).error().status(), 409);
-  auto rest = service->upload("u", "a.xyz", 12, alice);
+  EXPECT_EQ(service->inputs().uploaded("u", "a.xyz").value(), 12);
+  EXPECT_EQ(service->inputs().upload("u", "a.xyz", 5, alice).error().status(), 409);
+  auto rest = service->inputs().upload("u", "a.xyz", 12, alice);
   ASSERT_TRUE(rest);
   ASSERT_TRUE(rest.value()->write("0 1 0\n0 0 1\n"));
   EXPECT_EQ(rest.value()->write(std::string(77, 'x')).error().status(), 507);
   ASSERT_TRUE(rest.value()->finish());
-  EXPECT_EQ(service->uploaded("u", "a.xyz").value(), 24);
+  EXPECT_EQ(service->inputs().uploaded("u", "a.xyz").value(), 24);
   EXPECT_EQ(ended(submit(triangulate("upload:u/a.xyz", "up"))).status(), "successful");
   EXPECT_EQ(ended(submit(triangulate("upload:u", "up2"))).status(), "successful");
   for (const auto* name : {"..", "a/b", ".x", ""}) {
-    EXPECT_EQ(service->upload(name, "a", 0, alice).error().status(), 400);
-    EXPECT_EQ(service->upload("a", name, 0, alice).error().status(), 400);
+    EXPECT_EQ(service->inputs().upload(name, "a", 0, alice).error().status(), 400);
+    EXPECT_EQ(service->inputs().upload("a", name, 0, alice).error().status(), 400);
   }
   EXPECT_EQ(refused(triangulate("upload:../inputs/a.xyz")).status(), 400);
 }

@@ -39,7 +39,7 @@ TEST_F(Jobs, ATriangulationIsMadeProvedExportedAndDescribed) {
   ASSERT_EQ(made.status(), "successful") << made.message();
   EXPECT_EQ(made.progress(), 100);
   EXPECT_EQ(made.points(), 2000);
-  const auto info = service->triangulation("block");
+  const auto info = service->results().info("block");
   ASSERT_TRUE(info) << info.error().detail();
   EXPECT_EQ(info.value().vertices(), 2000);
   EXPECT_EQ(info.value().digest().size(), 32);
@@ -49,24 +49,25 @@ TEST_F(Jobs, ATriangulationIsMadeProvedExportedAndDescribed) {
   exported.mutable_export_()->set_output("mesh.ply");
   const auto ply = ended(submit(exported));
   ASSERT_EQ(ply.status(), "successful") << ply.message();
-  EXPECT_NE(service->outcome(ply.id()).value().find("\"mesh.ply\""), std::string::npos);
-  EXPECT_TRUE(service->file("block", "exports/mesh.ply"));
+  EXPECT_NE(service->jobs().outcome(ply.id()).value().find("\"mesh.ply\""), std::string::npos);
+  EXPECT_TRUE(service->results().file("block", "exports/mesh.ply"));
   EXPECT_EQ(refused(exported).status(), 409);
   exported.mutable_export_()->set_overwrite(true);
   EXPECT_EQ(ended(submit(exported)).status(), "successful");
-  EXPECT_NE(service->outcome(ply.id()).value().find("\"written\":[{\"path\":\"exports/mesh.ply\""), std::string::npos);
-  EXPECT_EQ(service->remove_export("block", "mesh.ply", bob).error().status(), 403);
-  EXPECT_EQ(service->remove_export("block", "..", alice).error().status(), 404);
-  ASSERT_TRUE(service->remove_export("block", "mesh.ply", alice));
-  EXPECT_EQ(service->remove_export("block", "mesh.ply", alice).error().status(), 404);
-  EXPECT_EQ(service->file("block", "exports/mesh.ply").error().status(), 404);
+  EXPECT_NE(service->jobs().outcome(ply.id()).value().find("\"written\":[{\"path\":\"exports/mesh.ply\""),
+            std::string::npos);
+  EXPECT_EQ(service->results().remove_export("block", "mesh.ply", bob).error().status(), 403);
+  EXPECT_EQ(service->results().remove_export("block", "..", alice).error().status(), 404);
+  ASSERT_TRUE(service->results().remove_export("block", "mesh.ply", alice));
+  EXPECT_EQ(service->results().remove_export("block", "mesh.ply", alice).error().status(), 404);
+  EXPECT_EQ(service->results().file("block", "exports/mesh.ply").error().status(), 404);
   proto::InfoInputs question;
   question.add_inputs("a.xyz");
   question.set_stats(true);
-  const auto told = service->info(question, alice);
+  const auto told = service->processes().info(question, alice);
   ASSERT_TRUE(told) << told.error().detail();
   EXPECT_NE(told.value().find("\"points\":"), std::string::npos);
-  EXPECT_NE(service->outcome(made.id()).value().find("\"event\":\"summary\""), std::string::npos);
+  EXPECT_NE(service->jobs().outcome(made.id()).value().find("\"event\":\"summary\""), std::string::npos);
 }
 
 TEST_F(Jobs, AFailedJobTellsWhyHarmsNoOtherAndLeavesNothing) {
@@ -86,7 +87,7 @@ TEST_F(Jobs, AFailedJobTellsWhyHarmsNoOtherAndLeavesNothing) {
     EXPECT_EQ(failed.problem().cause(), 3);
     EXPECT_EQ(failed.problem().status(), 422);
     EXPECT_NE(failed.message().find("skip_invalid"), std::string::npos) << failed.message();
-    EXPECT_EQ(service->outcome(id).error().status(), 422);
+    EXPECT_EQ(service->jobs().outcome(id).error().status(), 422);
   }
   service.reset();
   std::set<std::string> names;
@@ -99,7 +100,7 @@ TEST_F(Jobs, OneKeyIsOneJobAlsoAfterARestart) {
   make_cloud("a.xyz", 500);
   open();
   const auto id = submit(triangulate("a.xyz"), alice, "once");
-  const auto again = service->submit(triangulate("a.xyz"), alice, "once");
+  const auto again = service->processes().submit(triangulate("a.xyz"), alice, "once");
   ASSERT_TRUE(again);
   EXPECT_FALSE(again.value().fresh);
   EXPECT_EQ(again.value().status.id(), id);
@@ -130,7 +131,7 @@ TEST_F(Jobs, QueuedRunningAndEndedJobsGoOnAfterARestartInTheirOrder) {
   EXPECT_EQ(status(running).starts(), goes_on ? 2 : 1);
   EXPECT_LE(status(running).started(), status(second).started());
   EXPECT_LE(status(second).started(), status(third).started());
-  EXPECT_EQ(service->triangulations(10, "").value().number_matched(), 4);
+  EXPECT_EQ(service->results().list(10, "").value().number_matched(), 4);
 }
 
 TEST_F(Jobs, ADismissedJobStopsAndCanGoOn) {
@@ -142,19 +143,19 @@ TEST_F(Jobs, ADismissedJobStopsAndCanGoOn) {
     name += "block";
     id = submit(triangulate("large.ply", name));
     wait(id, [](const auto& now) { return now.phase() == "triangulating" || now.status() == "successful"; });
-    EXPECT_EQ(service->dismiss(id, bob).error().status(), 403);
-    const auto answer = service->dismiss(id, alice);
+    EXPECT_EQ(service->jobs().dismiss(id, bob).error().status(), 403);
+    const auto answer = service->jobs().dismiss(id, alice);
     ASSERT_TRUE(answer) << answer.error().detail();
     dismissed = answer.value();
   } while (dismissed.status() == "successful");  // it had ended, and is forgotten
   EXPECT_EQ(dismissed.status(), "dismissed");
   EXPECT_TRUE(dismissed.resumable());
-  EXPECT_EQ(service->outcome(id).error().status(), 410);
-  EXPECT_FALSE(service->triangulation(name));
-  ASSERT_TRUE(service->resume(id, alice));
+  EXPECT_EQ(service->jobs().outcome(id).error().status(), 410);
+  EXPECT_FALSE(service->results().info(name));
+  ASSERT_TRUE(service->jobs().resume(id, alice));
   EXPECT_EQ(ended(id).status(), "successful");
-  EXPECT_EQ(service->triangulation(name).value().vertices(), 400'000);
-  EXPECT_EQ(service->resume(id, alice).error().status(), 409);
+  EXPECT_EQ(service->results().info(name).value().vertices(), 400'000);
+  EXPECT_EQ(service->jobs().resume(id, alice).error().status(), 409);
 }
 
 TEST_F(Jobs, AWaitingJobThatIsDismissedNeverRunsAndOneThatEndedIsForgottenForGood) {
@@ -166,21 +167,21 @@ TEST_F(Jobs, AWaitingJobThatIsDismissedNeverRunsAndOneThatEndedIsForgottenForGoo
   while (true) {
     running = submit(triangulate("large.ply"));
     waiting = submit(triangulate("small.xyz", "waiting" + std::to_string(rounds++)));
-    const auto dismissed = service->dismiss(waiting, alice);
+    const auto dismissed = service->jobs().dismiss(waiting, alice);
     ASSERT_TRUE(dismissed) << dismissed.error().detail();
     if (dismissed.value().starts() == 0) break;  // or it has begun, or ended and is forgotten
   }
   EXPECT_EQ(ended(running).status(), "successful");
   EXPECT_EQ(status(waiting).starts(), 0);
-  ASSERT_TRUE(service->dismiss(waiting, alice));
-  EXPECT_EQ(service->job(waiting).error().status(), 410);
+  ASSERT_TRUE(service->jobs().dismiss(waiting, alice));
+  EXPECT_EQ(service->jobs().status(waiting).error().status(), 410);
   restart();
-  EXPECT_EQ(service->job(waiting).error().status(), 410);
-  EXPECT_EQ(service->job("nothing").error().status(), 404);
+  EXPECT_EQ(service->jobs().status(waiting).error().status(), 410);
+  EXPECT_EQ(service->jobs().status("nothing").error().status(), 404);
   EXPECT_FALSE(std::filesystem::exists(data() / "jobs" / waiting));
   // The result of a job that is forgotten stays.
-  ASSERT_TRUE(service->dismiss(running, alice));
-  EXPECT_TRUE(service->triangulation(running));
+  ASSERT_TRUE(service->jobs().dismiss(running, alice));
+  EXPECT_TRUE(service->results().info(running));
 }
 
 TEST_F(Jobs, AResultIsReplacedOnlyWhenAskedForAndWhenTheNewOneIsWhole) {
@@ -193,13 +194,13 @@ TEST_F(Jobs, AResultIsReplacedOnlyWhenAskedForAndWhenTheNewOneIsWhole) {
   auto replacing = triangulate("bad.xyz", "block");
   replacing.mutable_triangulate()->set_overwrite(true);
   EXPECT_EQ(ended(submit(replacing)).status(), "failed");
-  EXPECT_EQ(service->triangulation("block").value().vertices(), 500);
+  EXPECT_EQ(service->results().info("block").value().vertices(), 500);
   *replacing.mutable_triangulate()->mutable_inputs(0) = "b.xyz";
   EXPECT_EQ(ended(submit(replacing)).status(), "successful");
-  EXPECT_EQ(service->triangulation("block").value().vertices(), 600);
-  EXPECT_EQ(service->remove_triangulation("block", bob).error().status(), 403);
-  ASSERT_TRUE(service->remove_triangulation("block", alice));
-  EXPECT_EQ(service->triangulation("block").error().status(), 404);
+  EXPECT_EQ(service->results().info("block").value().vertices(), 600);
+  EXPECT_EQ(service->results().remove("block", bob).error().status(), 403);
+  ASSERT_TRUE(service->results().remove("block", alice));
+  EXPECT_EQ(service->results().info("block").error().status(), 404);
   service.reset();  // what was replaced is removed after its job has ended
   EXPECT_TRUE(std::filesystem::is_empty(data() / "results"));
 }
@@ -211,7 +212,7 @@ TEST_F(Jobs, WhatCostsTooMuchIsRefusedAtOnceWithTheFigures) {
   const auto points = refused(triangulate("a.xyz"));
   EXPECT_EQ(points.status(), 422);
   EXPECT_NE(points.detail().find("a job may have 1 000"), std::string::npos) << points.detail();
-  const auto estimate = service->estimate(triangulate("a.xyz"), alice);
+  const auto estimate = service->processes().estimate(triangulate("a.xyz"), alice);
   ASSERT_TRUE(estimate);
   EXPECT_FALSE(estimate.value().accepted());
   options.limits.points = 0;
@@ -236,14 +237,14 @@ TEST_F(Jobs, ListsComeInPagesNewestFirst) {
   std::vector<std::string> listed;
   JobQuery query{.limit = 3};
   while (true) {
-    const auto page = service->jobs(query).value();
+    const auto page = service->jobs().list(query).value();
     EXPECT_EQ(page.number_matched(), 7);
     if (page.jobs_size() == 0) break;
     for (const auto& job : page.jobs()) listed.push_back(job.id());
     query.after = listed.back();
   }
   EXPECT_EQ(listed, ids);
-  EXPECT_EQ(service->jobs({.processes = {"verify"}}).value().number_matched(), 0);
+  EXPECT_EQ(service->jobs().list({.processes = {"verify"}}).value().number_matched(), 0);
 }
 
 TEST_F(Jobs, EventsAscendOverRestartsAndAreReplayed) {
@@ -255,7 +256,7 @@ TEST_F(Jobs, EventsAscendOverRestartsAndAreReplayed) {
     std::mutex mutex;
     std::condition_variable changed;
     std::vector<proto::Event> events;
-    const auto handle = service->subscribe(id, last, [&](const auto& event) {
+    const auto handle = service->jobs().subscribe(id, last, [&](const auto& event) {
       const std::lock_guard lock(mutex);
       events.push_back(*event);
       changed.notify_all();
@@ -271,7 +272,7 @@ TEST_F(Jobs, EventsAscendOverRestartsAndAreReplayed) {
   const auto replaced = events_after(all.back().id(), 1);
   EXPECT_EQ(replaced.front().status().status(), "successful");
   EXPECT_GT(replaced.front().id(), all.back().id());
-  EXPECT_FALSE(service->subscribe("nothing", 0, [](const auto&) {}));
+  EXPECT_FALSE(service->jobs().subscribe("nothing", 0, [](const auto&) {}));
 }
 
 TEST_F(Jobs, WhoHearsOfItsEndHasHeardTheWholeLog) {
@@ -282,7 +283,7 @@ TEST_F(Jobs, WhoHearsOfItsEndHasHeardTheWholeLog) {
   std::condition_variable changed;
   std::vector<std::string> lines;
   bool is_over = false;
-  const auto handle = service->subscribe(id, 1, [&](const auto& event) {
+  const auto handle = service->jobs().subscribe(id, 1, [&](const auto& event) {
     const std::lock_guard lock(mutex);
     if (is_over) return;
     if (event->kind() == "log") lines.push_back(event->text());
@@ -319,9 +320,9 @@ TEST_F(Jobs, WhatIsNotOursInTheDataFolderStays) {
   make_cloud("a.xyz", 500);
   open();
   ended(submit(triangulate("a.xyz", "a")));
-  EXPECT_EQ(service->jobs({}).value().number_matched(), 2);
-  ASSERT_TRUE(service->remove_triangulation("a", admin));
-  EXPECT_EQ(service->remove_triangulation("mine", admin).error().status(), 404);
+  EXPECT_EQ(service->jobs().list({}).value().number_matched(), 2);
+  ASSERT_TRUE(service->results().remove("a", admin));
+  EXPECT_EQ(service->results().remove("mine", admin).error().status(), 404);
   restart();
   for (const auto& file : foreign) EXPECT_TRUE(std::filesystem::exists(data() / file)) << file;
   EXPECT_TRUE(std::filesystem::exists(data() / "jobs/0193e1f0a2b4-0002-9f3a2b1c/job.json"));
@@ -330,11 +331,11 @@ TEST_F(Jobs, WhatIsNotOursInTheDataFolderStays) {
 TEST_F(Jobs, WhereNoStateCanBeWrittenNothingIsAccepted) {
   make_cloud("a.xyz", 100);
   open();
-  EXPECT_FALSE(service->unready());
+  EXPECT_FALSE(service->health().unready());
   std::filesystem::remove_all(data() / "jobs");
   std::ofstream(data() / "jobs") << "a file";
   EXPECT_EQ(refused(triangulate("a.xyz")).status(), 500);
-  EXPECT_EQ(service->jobs({}).value().number_matched(), 0);
+  EXPECT_EQ(service->jobs().list({}).value().number_matched(), 0);
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ class Kill : public ServiceTest {
     open();
     std::map<std::string, std::string> found;
     JobQuery query{.limit = 1000};
-    const auto jobs = service->jobs(query).value();
+    const auto jobs = service->jobs().list(query).value();
     EXPECT_EQ(jobs.number_matched(), accepted.size());
     std::map<std::string, std::string> states;
     for (const auto& job : jobs.jobs())
@@ -72,7 +72,7 @@ class Kill : public ServiceTest {
       EXPECT_EQ(ids.size(), 1) << key;
       found[key] = states[*ids.begin()];
     }
-    const auto triangulations = service->triangulations(100, "").value();
+    const auto triangulations = service->results().list(100, "").value();
     for (const auto& result : triangulations.triangulations()) found["/" + result.name()] = result.digest();
     service.reset();
     for (const auto& entry : fs::recursive_directory_iterator(where)) {

@@ -6,9 +6,9 @@
 
 #include "src/base/files/names.h"
 #include "src/service/deadline.h"
+#include "src/service/inputs/uploads.h"
 #include "src/service/jobs/kept_inputs.h"
 #include "src/service/staging_folder.h"
-#include "src/service/inputs/uploads.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {
@@ -30,7 +30,7 @@ class Limits : public ServiceTest {
     return inputs;
   }
   Reply<void> send(const std::string& name, const std::string& text, bool whole = true) {
-    BOOST_OUTCOME_TRY(sending, service->upload("u", name, 0, alice));
+    BOOST_OUTCOME_TRY(sending, service->inputs().upload("u", name, 0, alice));
     BOOST_OUTCOME_TRYV(sending->write(text));
     return whole ? sending->finish() : Reply<void>(success());
   }
@@ -42,7 +42,7 @@ TEST_F(Limits, ContoursAndExportsThatNeedMoreDiskThanAJobMayHaveAreRefusedAndSay
   options.limits.disk_bytes = 500'000;
   restart();
   for (const auto& [interval, fits] : {std::pair(0.7, true), std::pair(2e-6, false)}) {
-    const auto estimate = service->estimate(contours(interval), alice);
+    const auto estimate = service->processes().estimate(contours(interval), alice);
     ASSERT_TRUE(estimate) << estimate.error().detail();
     EXPECT_GT(estimate.value().result_bytes(), 0U);
     EXPECT_EQ(estimate.value().accepted(), fits) << estimate.value().reason();
@@ -100,13 +100,13 @@ TEST_F(Limits, OfEachCallerSoManyEndedJobsAreRememberedAndNoMore) {
   const auto others = submit(triangulate("a.xyz"), bob);
   ended(others);
   for (std::size_t i = 0; i < 3; ++i) {  // in whatever order they are forgotten
-    while (service->job(ids[i])) std::this_thread::yield();
-    EXPECT_EQ(service->job(ids[i]).error().status(), 410);
+    while (service->jobs().status(ids[i])) std::this_thread::yield();
+    EXPECT_EQ(service->jobs().status(ids[i]).error().status(), 410);
   }
   for (std::size_t i = 3; i < ids.size(); ++i) EXPECT_EQ(status(ids[i]).status(), "successful");
   EXPECT_EQ(status(others).status(), "successful");
   EXPECT_FALSE(std::filesystem::exists(job_folder(data(), ids[0])));
-  EXPECT_TRUE(service->triangulation(ids[0])) << "results stay";
+  EXPECT_TRUE(service->results().info(ids[0])) << "results stay";
 }
 
 TEST_F(Limits, APatternGoesOnlyDownAndEachFileCountsOnce) {
@@ -133,7 +133,7 @@ TEST_F(Limits, PatternsThatLookAtTooManyNamesAreLeftToAJob) {
     info.add_inputs("a*");
     job.mutable_triangulate()->add_inputs("a*");
   }
-  const auto at_once = service->info(info, alice);
+  const auto at_once = service->processes().info(info, alice);
   ASSERT_FALSE(at_once);
   EXPECT_EQ(at_once.error().type(), "urn:tessera:needs-a-job");
   const auto made = ended(submit(job));
@@ -149,15 +149,15 @@ TEST_F(Limits, UploadsHaveABoundLeaveTheReserveAndCanBeRemoved) {
   ASSERT_FALSE(full);
   EXPECT_EQ(full.error().status(), 507);
   EXPECT_NE(full.error().detail().find("limits.uploads"), std::string::npos);
-  EXPECT_EQ(service->remove_upload("u", "c.xyz", alice).error().status(), 404);
-  EXPECT_EQ(service->remove_upload("..", "a.xyz", alice).error().status(), 400);
-  EXPECT_EQ(service->remove_upload("u", "a.xyz", {"r", Role::read}).error().status(), 403);
-  EXPECT_EQ(service->remove_upload("u", "a.xyz", bob).error().status(), 403);
-  ASSERT_TRUE(service->remove_upload("u", "a.xyz", alice));
-  EXPECT_FALSE(service->uploaded("u", "a.xyz"));
+  EXPECT_EQ(service->inputs().remove_upload("u", "c.xyz", alice).error().status(), 404);
+  EXPECT_EQ(service->inputs().remove_upload("..", "a.xyz", alice).error().status(), 400);
+  EXPECT_EQ(service->inputs().remove_upload("u", "a.xyz", {"r", Role::read}).error().status(), 403);
+  EXPECT_EQ(service->inputs().remove_upload("u", "a.xyz", bob).error().status(), 403);
+  ASSERT_TRUE(service->inputs().remove_upload("u", "a.xyz", alice));
+  EXPECT_FALSE(service->inputs().uploaded("u", "a.xyz"));
   ASSERT_TRUE(send("b.xyz", std::string(600, '1'), false));
-  EXPECT_EQ(service->uploaded("u", "b.xyz").value(), 600U);
-  ASSERT_TRUE(service->remove_upload("u", "b.xyz", alice)) << "also of a file that has not come whole";
+  EXPECT_EQ(service->inputs().uploaded("u", "b.xyz").value(), 600U);
+  ASSERT_TRUE(service->inputs().remove_upload("u", "b.xyz", alice)) << "also of a file that has not come whole";
   ASSERT_TRUE(send("d.xyz", std::string(1000, '1')));
   options.limits.reserve_bytes = std::uint64_t{1} << 60;
   options.limits.upload_bytes = 0;
@@ -194,7 +194,7 @@ TEST_F(Limits, WhatTheCallerDidIsNoErrorOfTheServer) {
   make_plane();
   Question star{.about = Question::About::star, .triangulation = "plane", .vertex = "5"};
   star.options["tile"] = "999999";
-  EXPECT_EQ(service->ask(star).error().status(), 400) << service->ask(star).error().detail();
+  EXPECT_EQ(service->questions().ask(star).error().status(), 400) << service->questions().ask(star).error().detail();
   // Unpacked it is larger than a body may be.
   std::string bomb(1 << 20, '\0');
   std::string text;
@@ -211,7 +211,8 @@ TEST_F(Limits, WhatTheCallerDidIsNoErrorOfTheServer) {
   Question locate{.about = Question::About::locate, .triangulation = "plane"};
   locate.body = bomb;
   locate.type = "text/csv";
-  EXPECT_EQ(service->ask(locate).error().status(), 422) << service->ask(locate).error().detail();
+  EXPECT_EQ(service->questions().ask(locate).error().status(), 422)
+      << service->questions().ask(locate).error().detail();
 }
 
 }  // namespace

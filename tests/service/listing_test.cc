@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 class Listing : public ServiceTest {
  protected:
   proto::InputList list(const std::string& folder, std::uint32_t limit = 100, const std::string& after = "") {
-    auto found = service->inputs(folder, limit, after, alice);
+    auto found = service->inputs().list(folder, limit, after, alice);
     EXPECT_TRUE(found) << found.error().detail();
     return found ? std::move(found).value() : proto::InputList();
   }
@@ -52,19 +52,19 @@ TEST_F(Listing, AFolderTellsOfPointFilesAndFoldersAndOfNothingElse) {
     const auto found = list(folder_name);
     for (const auto& input : found.inputs()) {
       if (input.folder() || input.name().ends_with(".gz")) continue;
-      EXPECT_TRUE(service->estimate(triangulate(input.name()), alice)) << input.name();
+      EXPECT_TRUE(service->processes().estimate(triangulate(input.name()), alice)) << input.name();
     }
   }
   for (const std::string hostile :
        {"..", "sub/../..", "link", "/etc", "/", "../secret", "a.xyz", "nowhere", "upload:x", "fifo.xyz"}) {
-    const auto found = service->inputs(hostile, 100, "", alice);
+    const auto found = service->inputs().list(hostile, 100, "", alice);
     ASSERT_FALSE(found) << hostile;
     EXPECT_EQ(found.error().status(), 400) << found.error().detail();
     EXPECT_EQ(found.error().detail().find("folder: "), 0u) << found.error().detail();
   }
   using std::string_literals::operator""s;
-  EXPECT_FALSE(service->inputs("sub\0x"s, 100, "", alice));
-  const auto reader = service->inputs("", 100, "", Caller{"reader", Role::read});
+  EXPECT_FALSE(service->inputs().list("sub\0x"s, 100, "", alice));
+  const auto reader = service->inputs().list("", 100, "", Caller{"reader", Role::read});
   ASSERT_FALSE(reader);
   EXPECT_EQ(reader.error().status(), 403);
 }
@@ -113,21 +113,21 @@ TEST_F(Listing, OfSeveralRootsEachFileHasANameThatMeansIt) {
   open();
   EXPECT_EQ(names(""), (other / "a.xyz").string() + " a.xyz b.xyz sub/");
   EXPECT_EQ(names("sub"), "sub/c.xyz sub/d.xyz");
-  auto upload = service->upload("mine", "u.xyz", 0, alice);
+  auto upload = service->inputs().upload("mine", "u.xyz", 0, alice);
   ASSERT_TRUE(upload) << upload.error().detail();
   ASSERT_TRUE(upload.value()->write("1 2 3\n"));
   EXPECT_EQ(names("upload:mine"), "") << "it is not whole yet";
   ASSERT_TRUE(upload.value()->finish());
   EXPECT_EQ(names(""), (other / "a.xyz").string() + " a.xyz b.xyz sub/ upload:mine/");
   EXPECT_EQ(names("upload:mine"), "upload:mine/u.xyz");
-  EXPECT_FALSE(service->inputs("upload:../results", 100, "", alice));
+  EXPECT_FALSE(service->inputs().list("upload:../results", 100, "", alice));
 }
 
 TEST_F(Listing, OfAResultItTellsWhatItWasMadeInto) {
   make_cloud("a.xyz", 500);
   open();
   ASSERT_EQ(ended(submit(triangulate("a.xyz", "made"))).status(), "successful");
-  const auto nothing = service->exports("made", 100, "");
+  const auto nothing = service->results().exports("made", 100, "");
   ASSERT_TRUE(nothing) << nothing.error().detail();
   EXPECT_EQ(nothing.value().exports_size(), 0);
   std::vector<std::string> jobs;
@@ -138,7 +138,7 @@ TEST_F(Listing, OfAResultItTellsWhatItWasMadeInto) {
     jobs.push_back(submit(exported));
     ASSERT_EQ(ended(jobs.back()).status(), "successful");
   }
-  const auto found = service->exports("made", 100, "");
+  const auto found = service->results().exports("made", 100, "");
   ASSERT_TRUE(found);
   EXPECT_EQ(found.value().number_matched(), 2u);
   ASSERT_EQ(found.value().exports_size(), 2);
@@ -151,14 +151,14 @@ TEST_F(Listing, OfAResultItTellsWhatItWasMadeInto) {
   EXPECT_EQ(ply.process_id(), "export");
   EXPECT_EQ(ply.job_id(), jobs[0]);
   EXPECT_FALSE(ply.created().empty());
-  EXPECT_EQ(service->exports("made", 1, "").value().exports_size(), 1);
-  EXPECT_EQ(service->exports("made", 1, "a.mesh").value().exports(0).name(), "b.ply");
+  EXPECT_EQ(service->results().exports("made", 1, "").value().exports_size(), 1);
+  EXPECT_EQ(service->results().exports("made", 1, "a.mesh").value().exports(0).name(), "b.ply");
   // Without its job it is there as before.
-  ASSERT_TRUE(service->dismiss(jobs[0], alice));
-  EXPECT_EQ(service->exports("made", 1, "a.mesh").value().exports(0).job_id(), "");
-  EXPECT_EQ(service->exports("made", 1, "a.mesh").value().exports(0).submitter(), alice.name);
+  ASSERT_TRUE(service->jobs().dismiss(jobs[0], alice));
+  EXPECT_EQ(service->results().exports("made", 1, "a.mesh").value().exports(0).job_id(), "");
+  EXPECT_EQ(service->results().exports("made", 1, "a.mesh").value().exports(0).submitter(), alice.name);
   for (const auto* name : {"nothing", "..", ""}) {
-    const auto missing = service->exports(name, 100, "");
+    const auto missing = service->results().exports(name, 100, "");
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().status(), 404);
   }

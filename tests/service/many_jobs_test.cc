@@ -37,11 +37,11 @@ TEST_F(ManyJobs, LeaveNoDescriptorsAndNoMoreMemoryThanTheirRecords) {
     const auto name = "block" + std::to_string(i);
     const auto made = submit(triangulate("a.xyz", name));
     if (i % 4 == 3) {  // some are dismissed, some fail, and some are forgotten
-      ASSERT_TRUE(service->dismiss(made, alice));
+      ASSERT_TRUE(service->jobs().dismiss(made, alice));
     } else {
       ASSERT_EQ(ended(made).status(), "successful");
       ASSERT_EQ(ended(submit(verify(name))).status(), "successful");
-      ASSERT_TRUE(service->remove_triangulation(name, admin));
+      ASSERT_TRUE(service->results().remove(name, admin));
     }
     if (i + 1 == few) {
       descriptors_before = descriptors();

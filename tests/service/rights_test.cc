@@ -30,10 +30,10 @@ class Rights : public ServiceTest {
     inputs.mutable_export_()->set_output(output);
     return inputs;
   }
-  std::string identity() { return service->identity("hers").value(); }
+  std::string identity() { return service->questions().identity("hers").value(); }
   // All of it, as one piece.
   int send(const std::string& text, const Caller& caller, std::uint64_t offset = 0) {
-    auto upload = service->upload("folder", "cloud.xyz", offset, caller);
+    auto upload = service->inputs().upload("folder", "cloud.xyz", offset, caller);
     if (!upload) return upload.error().status();
     EXPECT_TRUE(upload.value()->write(text));
     EXPECT_TRUE(upload.value()->finish());
@@ -49,7 +49,7 @@ TEST_F(Rights, ToOverwriteAResultTakesTheRightToRemoveIt) {
   open();
   EXPECT_EQ(ended(submit(made_in_2d("hers"))).status(), "successful");
   const auto before = identity();
-  EXPECT_EQ(service->remove_triangulation("hers", bob).error().status(), 403);
+  EXPECT_EQ(service->results().remove("hers", bob).error().status(), 403);
   const auto problem = refused(overwriting(made_in_2d("hers")), bob);
   EXPECT_EQ(problem.status(), 403);
   EXPECT_NE(problem.detail().find("'hers'"), std::string::npos) << problem.detail();
@@ -66,8 +66,8 @@ TEST_F(Rights, AJobThatMadeNothingGivesNoRight) {
   // Both wanted the name; alice got it.
   EXPECT_EQ(ended(submit(triangulate("bad.xyz", "hers"), bob)).status(), "failed");
   EXPECT_EQ(ended(submit(made_in_2d("hers"))).status(), "successful");
-  EXPECT_EQ(service->remove_triangulation("hers", bob).error().status(), 403);
-  EXPECT_TRUE(service->remove_triangulation("hers", alice));
+  EXPECT_EQ(service->results().remove("hers", bob).error().status(), 403);
+  EXPECT_TRUE(service->results().remove("hers", alice));
 }
 
 TEST_F(Rights, AJobThatIsResumedReplacesNothingOfOthers) {
@@ -76,8 +76,8 @@ TEST_F(Rights, AJobThatIsResumedReplacesNothingOfOthers) {
   const auto his = submit(overwriting(triangulate("bad.xyz", "hers")), bob);
   EXPECT_EQ(ended(his).status(), "failed");
   EXPECT_EQ(ended(submit(made_in_2d("hers"))).status(), "successful");
-  EXPECT_EQ(service->resume(his, bob).error().status(), 403);
-  EXPECT_TRUE(service->resume(his, admin)) << "who may remove it may have it replaced";
+  EXPECT_EQ(service->jobs().resume(his, bob).error().status(), 403);
+  EXPECT_TRUE(service->jobs().resume(his, admin)) << "who may remove it may have it replaced";
   ended(his);
 }
 
@@ -87,13 +87,13 @@ TEST_F(Rights, AreKnownWhenTheJobIsForgotten) {
   ended(job);
   ended(submit(exported("mesh.ply")));
   restart();
-  const auto all = service->jobs({}).value();
-  for (const auto& each : all.jobs()) EXPECT_TRUE(service->dismiss(each.id(), alice));
-  EXPECT_EQ(service->jobs({}).value().number_matched(), 0U);
-  EXPECT_EQ(service->remove_export("hers", "mesh.ply", bob).error().status(), 403);
-  EXPECT_EQ(service->remove_triangulation("hers", bob).error().status(), 403);
-  EXPECT_TRUE(service->remove_export("hers", "mesh.ply", alice));
-  EXPECT_TRUE(service->remove_triangulation("hers", alice));
+  const auto all = service->jobs().list({}).value();
+  for (const auto& each : all.jobs()) EXPECT_TRUE(service->jobs().dismiss(each.id(), alice));
+  EXPECT_EQ(service->jobs().list({}).value().number_matched(), 0U);
+  EXPECT_EQ(service->results().remove_export("hers", "mesh.ply", bob).error().status(), 403);
+  EXPECT_EQ(service->results().remove("hers", bob).error().status(), 403);
+  EXPECT_TRUE(service->results().remove_export("hers", "mesh.ply", alice));
+  EXPECT_TRUE(service->results().remove("hers", alice));
 }
 
 TEST_F(Rights, ToOverwriteAnExportTakesTheRightToRemoveIt) {
@@ -103,11 +103,11 @@ TEST_F(Rights, ToOverwriteAnExportTakesTheRightToRemoveIt) {
   EXPECT_EQ(refused(exported("mesh.ply"), bob).status(), 409);
   EXPECT_EQ(refused(overwriting(exported("mesh.ply")), bob).status(), 403);
   EXPECT_EQ(ended(submit(exported("his.ply"), bob)).status(), "successful");
-  EXPECT_EQ(service->remove_export("hers", "mesh.ply", bob).error().status(), 403);
-  EXPECT_EQ(service->remove_export("hers", "his.ply", alice).error().status(), 403);
-  EXPECT_TRUE(service->remove_export("hers", "his.ply", bob));
+  EXPECT_EQ(service->results().remove_export("hers", "mesh.ply", bob).error().status(), 403);
+  EXPECT_EQ(service->results().remove_export("hers", "his.ply", alice).error().status(), 403);
+  EXPECT_TRUE(service->results().remove_export("hers", "his.ply", bob));
   EXPECT_EQ(ended(submit(overwriting(exported("mesh.ply")))).status(), "successful");
-  EXPECT_TRUE(service->remove_export("hers", "mesh.ply", admin));
+  EXPECT_TRUE(service->results().remove_export("hers", "mesh.ply", admin));
   EXPECT_EQ(ended(submit(exported("mesh.ply"), bob)).status(), "successful") << "the name is free again";
   EXPECT_EQ(refused(overwriting(exported("mesh.ply"))).status(), 403);
   proto::Inputs dem;
@@ -124,7 +124,7 @@ TEST_F(Rights, WhatNobodyIsKnownToHaveMadeIsAnAdmins) {
   ended(submit(exported("mesh.ply")));
   ASSERT_TRUE(forget_owner(data() / "results" / "hers" / "exports" / "mesh.ply"));
   for (const auto& each : {alice, bob}) EXPECT_EQ(refused(overwriting(exported("mesh.ply")), each).status(), 403);
-  EXPECT_TRUE(service->remove_export("hers", "mesh.ply", admin));
+  EXPECT_TRUE(service->results().remove_export("hers", "mesh.ply", admin));
 }
 
 TEST_F(Rights, AnUploadIsReplacedByWhoSentItOrAnAdmin) {
@@ -146,7 +146,7 @@ TEST_F(Rights, WhatHasComeOfAnUploadIsNotGoneOnWithByOthers) {
   options.uploads = true;
   open();
   {
-    auto begun = service->upload("folder", "cloud.xyz", 0, alice);
+    auto begun = service->inputs().upload("folder", "cloud.xyz", 0, alice);
     ASSERT_TRUE(begun);
     EXPECT_TRUE(begun.value()->write("1 2 3\n"));
   }

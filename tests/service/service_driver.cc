@@ -20,7 +20,7 @@ struct Driver {
   std::vector<std::string> submitted;
 
   bool submit(const std::string& key, const proto::Inputs& inputs) {
-    const auto job = service->submit(inputs, caller, key);
+    const auto job = service->processes().submit(inputs, caller, key);
     if (!job) {
       std::fprintf(stderr, "%s: %s\n", key.c_str(), job.error().detail().c_str());
       return false;
@@ -33,7 +33,7 @@ struct Driver {
 
   bool all_ended() {
     for (const auto& id : submitted) {
-      const auto job = service->job(id);
+      const auto job = service->jobs().status(id);
       if (!job || job.value().status() == "accepted" || job.value().status() == "running") return false;
     }
     return true;
@@ -42,7 +42,7 @@ struct Driver {
     std::mutex mutex;
     std::condition_variable changed;
     bool told = true;
-    const auto handle = service->subscribe("", 0, [&](const auto&) {
+    const auto handle = service->jobs().subscribe("", 0, [&](const auto&) {
       const std::lock_guard lock(mutex);
       told = true;
       changed.notify_all();

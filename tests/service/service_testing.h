@@ -66,18 +66,18 @@ class ServiceTest : public ::testing::Test {
     return inputs;
   }
   std::string submit(const proto::Inputs& inputs, const Caller& caller = alice, const std::string& key = "") {
-    const auto submitted = service->submit(inputs, caller, key);
+    const auto submitted = service->processes().submit(inputs, caller, key);
     if (!submitted) ADD_FAILURE() << submitted.error().detail();
     return submitted ? submitted.value().status.id() : "";
   }
   proto::Problem refused(const proto::Inputs& inputs, const Caller& caller = alice, const std::string& key = "") {
-    const auto submitted = service->submit(inputs, caller, key);
+    const auto submitted = service->processes().submit(inputs, caller, key);
     if (!submitted) return submitted.error();
     ADD_FAILURE() << "accepted: " << inputs.ShortDebugString();
     return {};
   }
   proto::StatusInfo status(const std::string& id) {
-    const auto status = service->job(id);
+    const auto status = service->jobs().status(id);
     if (!status) ADD_FAILURE() << status.error().detail();
     return status ? status.value() : proto::StatusInfo();
   }
@@ -88,7 +88,7 @@ class ServiceTest : public ::testing::Test {
     std::mutex mutex;
     std::condition_variable changed;
     bool told = true;
-    const auto handle = service->subscribe(id, 0, [&](const auto&) {
+    const auto handle = service->jobs().subscribe(id, 0, [&](const auto&) {
       const std::lock_guard lock(mutex);
       told = true;
       changed.notify_all();

@@ -43,18 +43,18 @@ class Takeover : public ServiceTest {
     return found;
   }
   void try_all(const std::string& done, const std::string& waits) {
-    EXPECT_FALSE(service->submit(triangulate("small.xyz", "another"), alice));
-    EXPECT_FALSE(service->dismiss(waits, admin));
-    EXPECT_FALSE(service->dismiss(done, admin));
-    EXPECT_FALSE(service->remove_triangulation("small", admin));
-    EXPECT_FALSE(service->remove_export("small", "small.ply", admin));
+    EXPECT_FALSE(service->processes().submit(triangulate("small.xyz", "another"), alice));
+    EXPECT_FALSE(service->jobs().dismiss(waits, admin));
+    EXPECT_FALSE(service->jobs().dismiss(done, admin));
+    EXPECT_FALSE(service->results().remove("small", admin));
+    EXPECT_FALSE(service->results().remove_export("small", "small.ply", admin));
     if (upload) {
       EXPECT_FALSE(upload->finish());
     }
   }
 
   std::vector<std::unique_ptr<StagingFolder>> desks;
-  std::unique_ptr<Service::Upload> upload;
+  std::unique_ptr<Upload> upload;
 };
 
 proto::Inputs export_of(const std::string& name) {
@@ -76,22 +76,22 @@ TEST_F(Takeover, WhatWasTakenIsLeftAsItIs) {
     told.push_back(why.where);
   };
   open();
-  EXPECT_FALSE(service->lost());
+  EXPECT_FALSE(service->health().lost());
   const auto done = submit(triangulate("small.xyz", "small"));
   ASSERT_EQ(ended(done).status(), "successful");
   ASSERT_EQ(ended(submit(export_of("small"))).status(), "successful");
   const auto runs = submit(triangulate("large.ply", "large"));
   working(runs);
   const auto waits = submit(triangulate("small.xyz", "late"));
-  auto sent = service->upload("d", "file.xyz", 0, alice);
+  auto sent = service->inputs().upload("d", "file.xyz", 0, alice);
   ASSERT_TRUE(sent && sent.value()->write("1 2 3\n"));
   upload = std::move(sent).value();
 
   take_over();
   const auto records = all();
   try_all(done, waits);
-  EXPECT_TRUE(service->unready());
-  EXPECT_TRUE(service->lost());
+  EXPECT_TRUE(service->health().unready());
+  EXPECT_TRUE(service->health().lost());
   upload.reset();
   service.reset();  // its running job stops, or ends, and cannot say so
   ASSERT_EQ(told.size(), 1u);
@@ -116,7 +116,7 @@ TEST_F(Takeover, WhatBelievesThatItHasTheLockChangesNothingEither) {
   const auto done = submit(triangulate("small.xyz", "small"));
   ASSERT_EQ(ended(done).status(), "successful");
   ASSERT_EQ(ended(submit(export_of("small"))).status(), "successful");
-  auto sent = service->upload("d", "file.xyz", 0, alice);
+  auto sent = service->inputs().upload("d", "file.xyz", 0, alice);
   ASSERT_TRUE(sent && sent.value()->write("1 2 3\n"));
   upload = std::move(sent).value();
   lay_desks();  // a successor's, and the lock looks as it did

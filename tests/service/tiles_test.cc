@@ -34,7 +34,7 @@ TEST_F(Tiles, AreToldWhileAJobRunsAndAfterwards) {
   const auto id = submit(in_tiles("a.npy", "block", 40));
   const auto seen = wait(id, [&](const auto& now) { return now.tiles().triangulated() > 0 || now.progress() == 100; });
   if (seen.status() == "running") {
-    const auto running = service->tiles(id, true);
+    const auto running = service->jobs().tiles(id, true);
     ASSERT_TRUE(running) << running.error().detail();
     EXPECT_EQ(running.value().stages().size(), 40U);
     EXPECT_EQ(running.value().stages().find_first_not_of("wtsqd"), std::string::npos);
@@ -45,12 +45,12 @@ TEST_F(Tiles, AreToldWhileAJobRunsAndAfterwards) {
     expect_a_tree(running.value().layout(), 40);
   }
   ASSERT_EQ(ended(id).status(), "successful");
-  const auto stored = service->tiles(id, true);
+  const auto stored = service->jobs().tiles(id, true);
   ASSERT_TRUE(stored) << stored.error().detail();
   EXPECT_EQ(stored.value().stages(), std::string(40, 'd'));
   EXPECT_EQ(stored.value().layout().bounds_size(), 6);
   expect_a_tree(stored.value().layout(), 40);
-  EXPECT_FALSE(service->tiles(id, false).value().has_layout());
+  EXPECT_FALSE(service->jobs().tiles(id, false).value().has_layout());
 }
 
 TEST_F(Tiles, ExchangeMailWhileAJobSplaysAndNoneAtItsEnd) {
@@ -59,12 +59,12 @@ TEST_F(Tiles, ExchangeMailWhileAJobSplaysAndNoneAtItsEnd) {
   const auto id = submit(in_tiles("a.npy", "block", 300));
   proto::JobTiles seen;
   wait(id, [&](const auto& now) {
-    const auto told = service->tiles(id, false);
+    const auto told = service->jobs().tiles(id, false);
     if (told && told.value().has_mail()) seen = told.value();
     return seen.has_mail() || now.progress() == 100;
   });
   ASSERT_EQ(ended(id).status(), "successful");
-  const auto stored = service->tiles(id, true).value();
+  const auto stored = service->jobs().tiles(id, true).value();
   EXPECT_FALSE(stored.has_mail());
   const proto::TileMail& mail = seen.mail();
   ASSERT_GT(mail.points_size(), 0) << "300 tiles that exchange points are asked how far they are at every event";
@@ -90,12 +90,12 @@ TEST_F(Tiles, OfOneTileAndOfARandomPartitionHaveNoPlanes) {
   open();
   const auto one = submit(in_tiles("a.xyz", "one", 1));
   ASSERT_EQ(ended(one).status(), "successful");
-  EXPECT_EQ(service->tiles(one, true).value().stages(), "d");
+  EXPECT_EQ(service->jobs().tiles(one, true).value().stages(), "d");
   auto inputs = in_tiles("a.xyz", "scattered", 5);
   inputs.mutable_triangulate()->set_partition("random");
   const auto scattered = submit(inputs);
   ASSERT_EQ(ended(scattered).status(), "successful");
-  const auto told = service->tiles(scattered, true);
+  const auto told = service->jobs().tiles(scattered, true);
   ASSERT_TRUE(told) << told.error().detail();
   EXPECT_EQ(told.value().stages(), "ddddd");
   EXPECT_EQ(told.value().layout().axis_size(), 0);
@@ -105,9 +105,9 @@ TEST_F(Tiles, OfAJobThatWaitsOrWasStoppedAreNotTold) {
   make_cloud("a.npy", 400'000);
   open();
   const auto id = submit(in_tiles("a.npy", "block", 40));
-  ASSERT_TRUE(service->dismiss(id, alice));
+  ASSERT_TRUE(service->jobs().dismiss(id, alice));
   wait(id, [](const auto& now) { return now.status() != "running" && now.status() != "accepted"; });
-  const auto told = service->tiles(id, true);
+  const auto told = service->jobs().tiles(id, true);
   ASSERT_TRUE(told) << told.error().detail();
   EXPECT_EQ(told.value().job_id(), id);
   EXPECT_EQ(told.value().stages(), "");
@@ -116,14 +116,14 @@ TEST_F(Tiles, OfAJobThatWaitsOrWasStoppedAreNotTold) {
 TEST_F(Tiles, ThatThereAreNotAreAProblem) {
   make_cloud("a.xyz", 1000);
   open();
-  EXPECT_EQ(service->tiles("none", false).error().status(), 404);
+  EXPECT_EQ(service->jobs().tiles("none", false).error().status(), 404);
   const auto id = submit(triangulate("a.xyz", "block"));
   ASSERT_EQ(ended(id).status(), "successful");
   const auto proof = submit(verify("block"));
-  EXPECT_EQ(service->tiles(proof, false).error().status(), 404);
+  EXPECT_EQ(service->jobs().tiles(proof, false).error().status(), 404);
   ended(proof);
-  ASSERT_TRUE(service->remove_triangulation("block", alice));
-  EXPECT_EQ(service->tiles(id, false).error().status(), 410);
+  ASSERT_TRUE(service->results().remove("block", alice));
+  EXPECT_EQ(service->jobs().tiles(id, false).error().status(), 410);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "src/front/api/tile_impl.h"
 #include "src/job/machine.h"
 #include "src/result/query/area.h"
+#include "src/result/query/neighbours.h"
 #include "src/result/query/stored_triangulation.h"
 
 namespace tessera {
@@ -84,6 +85,19 @@ Star Questions::star(std::uint64_t vertex, std::optional<std::uint32_t> tile, st
       for (std::size_t k = 0; k < impl_->corners(); ++k) star.cells.push_back(cell.vertices[k].value);
     }
     return star;
+  });
+}
+
+std::vector<std::uint64_t> Questions::neighbours(std::uint64_t vertex, std::optional<std::uint32_t> tile,
+                                                 std::stop_token stop) const {
+  return guarded([&] {
+    std::optional<TileId> owner;
+    if (tile) owner = TileId{*tile};
+    const auto found =
+        value_or_throw(query::neighbours(impl_->stored, PointId{vertex}, owner, impl_->asking(std::move(stop))));
+    std::vector<std::uint64_t> ids;
+    for (const PointId id : found.ids) ids.push_back(id.value);
+    return ids;
   });
 }
 

@@ -1,4 +1,5 @@
 // tessera query: answers questions to a result folder.
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,14 +19,54 @@ struct Asked {
   std::string folder, question, argument;
 };
 
+// A question of the command.
+struct QuestionRow {
+  const char* name;
+  Status (*ask)(QueryRequest& request);
+  std::vector<std::string> options;  // those that only some questions have
+};
+
+const std::vector<QuestionRow>& rows() {
+  static const std::vector<QuestionRow> table{{"locate", query_locate, {"points"}},
+                                              {"star", query_star, {"tile"}},
+                                              {"neighbours", query_neighbours, {"tile"}},
+                                              {"cells", query_cells, {"bbox", "polygon"}},
+                                              {"interpolate", query_interpolate, {"value", "method", "weights"}}};
+  return table;
+}
+
+// "locate, star and cells"
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return text;
+}
+
+Result<const QuestionRow*> find_question(const std::string& name) {
+  std::vector<std::string> names;
+  for (const QuestionRow& row : rows()) {
+    if (row.name == name) return &row;
+    names.emplace_back(row.name);
+  }
+  return error(Errc::usage, "'" + name + "' is no question; there are " + listed(names));
+}
+
+bool uses(const QuestionRow& row, const std::string& key) {
+  return std::find(row.options.begin(), row.options.end(), key) != row.options.end();
+}
+
 // Error usage for an option that the question does not use. Otherwise the option would be ignored silently.
-Status refuse_others(const Settings& settings, const std::string& question) {
-  const std::pair<const char*, const char*> uses[] = {
-      {"points", "locate"},     {"bbox", "cells"},         {"polygon", "cells"},      {"tile", "star"},
-      {"value", "interpolate"}, {"method", "interpolate"}, {"weights", "interpolate"}};
-  for (const auto& [key, user] : uses)
-    if (question != user && settings.source(key) == Settings::Source::flag)
-      return error(Errc::usage, "--" + std::string(key) + " belongs to '" + user + "', not to '" + question + "'");
+Status refuse_others(const Settings& settings, const QuestionRow& question) {
+  for (const QuestionRow& row : rows()) {
+    for (const std::string& key : row.options) {
+      if (uses(question, key) || settings.source(key) != Settings::Source::flag) continue;
+      std::vector<std::string> users;
+      for (const QuestionRow& other : rows())
+        if (uses(other, key)) users.push_back("'" + std::string(other.name) + "'");
+      return error(Errc::usage, "--" + key + " belongs to " + listed(users) + ", not to '" + question.name + "'");
+    }
+  }
   return success();
 }
 
@@ -38,9 +79,8 @@ Result<query::Method> parse_method(const std::string& text) {
 Status run_query(Settings& settings, const Asked& asked) {
   if (asked.folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera query --help'");
   const std::string& question = asked.question;
-  if (question != "locate" && question != "star" && question != "cells" && question != "interpolate")
-    return error(Errc::usage, "'" + question + "' is no question; there are locate, star, cells and interpolate");
-  BOOST_OUTCOME_TRYV(refuse_others(settings, question));
+  BOOST_OUTCOME_TRY(row, find_question(question));
+  BOOST_OUTCOME_TRYV(refuse_others(settings, *row));
   if (question == "cells" && !asked.argument.empty())
     return error(Errc::usage, "'" + asked.argument + "' is too much: 'cells' takes --bbox or --polygon");
 
@@ -87,10 +127,7 @@ Status run_query(Settings& settings, const Asked& asked) {
 
   const Interrupt interrupt;
   request.ask.stop = interrupt.token();
-  if (question == "locate") return query_locate(request);
-  if (question == "star") return query_star(request);
-  if (question == "cells") return query_cells(request);
-  return query_interpolate(request);
+  return row->ask(request);
 }
 
 }  // namespace
@@ -102,6 +139,7 @@ Command add_query(CLI::App& root) {
       "  tessera query out/ locate --points where.csv -o cells.npy  (of many points, from any format that is read)\n"
       "  tessera query out/ star 123456                             (cells and neighbours of a vertex, its Voronoi "
       "volume)\n"
+      "  tessera query out/ neighbours 123456                       (only the ids of its neighbours)\n"
       "  tessera query out/ cells --bbox 0,0,50,50 -o part.vtu      (the cells that meet a box)\n"
       "  tessera query out/ cells --polygon area.geojson -o part.ply\n"
       "  tessera query ground/ interpolate points.csv --value z -o heights.csv");
@@ -110,8 +148,8 @@ Command add_query(CLI::App& root) {
             "locate, interpolate: what the columns of the file with points are, in their order: x, y, z, or _ to leave "
             "one out, as _,y,x",
             0, true);
-  add_value(command, "tile", "N", "star: the tile that owns the vertex, if it is known; else it is looked for", 0,
-            true);
+  add_value(command, "tile", "N",
+            "star, neighbours: the tile that owns the vertex, if it is known; else it is looked for", 0, true);
   add_value(command, "bbox", "BOX", "cells: xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax, closed", 0, true);
   add_value(command, "polygon", "FILE", "cells: the polygons of a GeoJSON file, in the coordinates of the result", 0,
             true);
@@ -132,10 +170,11 @@ Command add_query(CLI::App& root) {
   add_output_switches(command);
   auto asked = std::make_shared<Asked>();
   add_argument(command, "result", "FOLDER", asked->folder, "result folder");
-  add_argument(command, "question", "QUESTION", asked->question, "locate, star, cells or interpolate");
-  add_choices(command, "question", "locate, star, cells, interpolate");
-  add_argument(command, "about", "ABOUT", asked->argument,
-               "locate: a point as X,Y[,Z]; star: the source index of a vertex; interpolate: a file with points");
+  add_argument(command, "question", "QUESTION", asked->question, "locate, star, neighbours, cells or interpolate");
+  add_choices(command, "question", "locate, star, neighbours, cells, interpolate");
+  add_argument(
+      command, "about", "ABOUT", asked->argument,
+      "locate: a point as X,Y[,Z]; star, neighbours: the source index of a vertex; interpolate: a file with points");
   command.run = [settings = command.settings.get(), asked](const std::vector<std::string>&) {
     return run_query(*settings, *asked);
   };

@@ -13,6 +13,7 @@
 #include "src/input/cloud/cloud.h"
 #include "src/job/arguments.h"
 #include "src/result/query/answer_text.h"
+#include "src/result/query/neighbours.h"
 
 namespace tessera {
 namespace {
@@ -50,6 +51,13 @@ Status for_all_points(const QueryRequest& request, const std::string& input, int
   return answer();
 }
 
+Result<PointId> asked_vertex(const QueryRequest& request, const char* question) {
+  const auto id = parse_integer(request.argument, 0, std::numeric_limits<std::int64_t>::max());
+  if (id) return PointId{static_cast<std::uint64_t>(id.value())};
+  return error(Errc::usage,
+               "give the source index of a vertex, as '" + std::string(question) + " 123456': " + id.error().where);
+}
+
 }  // namespace
 
 Status query_locate(QueryRequest& request) {
@@ -80,19 +88,25 @@ Status query_locate(QueryRequest& request) {
   return answers->finish();
 }
 
-Status query_star(const QueryRequest& request) {
-  const auto id = parse_integer(request.argument, 0, std::numeric_limits<std::int64_t>::max());
-  if (!id) return error(Errc::usage, "give the source index of a vertex, as 'star 123456': " + id.error().where);
+Status query_star(QueryRequest& request) {
+  BOOST_OUTCOME_TRY(vertex, asked_vertex(request, "star"));
   BOOST_OUTCOME_TRY(result, open(request));
-  const PointId asked{static_cast<std::uint64_t>(id.value())};
-  BOOST_OUTCOME_TRY(star, result.star(asked, request.tile, request.ask));
+  BOOST_OUTCOME_TRY(star, result.star(vertex, request.tile, request.ask));
   const int dimension = result.manifest().dimension;
   const bool part = result.manifest().region.has_value();
-  return print(request.output.json ? json_of(asked, dimension, star, part)
-                                   : printable_lines(text_of(asked, dimension, star, part)));
+  return print(request.output.json ? json_of(vertex, dimension, star, part)
+                                   : printable_lines(text_of(vertex, dimension, star, part)));
 }
 
-Status query_cells(const QueryRequest& request) {
+Status query_neighbours(QueryRequest& request) {
+  BOOST_OUTCOME_TRY(vertex, asked_vertex(request, "neighbours"));
+  BOOST_OUTCOME_TRY(result, open(request));
+  BOOST_OUTCOME_TRY(found, query::neighbours(result, vertex, request.tile, request.ask));
+  const bool part = result.manifest().region.has_value();
+  return print(request.output.json ? json_of(found, part) : printable_lines(text_of(found, part)));
+}
+
+Status query_cells(QueryRequest& request) {
   if (request.bbox.empty() == request.polygon.empty()) return error(Errc::usage, "give either --bbox or --polygon");
   if (request.target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE");
   BOOST_OUTCOME_TRYV(find_export_target(request.target, request.cells));

@@ -22,7 +22,7 @@ struct QueryRequest {
   std::string points;                    // --points
   std::vector<std::string> columns;      // the columns of that file, or of the file for interpolate
   std::string bbox, polygon;             // for cells
-  std::optional<TileId> tile;            // for star
+  std::optional<TileId> tile;            // for star, neighbours
   query::InterpolateOptions value = {};  // for interpolate
   AnswerOptions answers = {};
   ExportOptions cells = {};
@@ -33,8 +33,9 @@ struct QueryRequest {
 };
 
 Status query_locate(QueryRequest& request);
-Status query_star(const QueryRequest& request);
-Status query_cells(const QueryRequest& request);
+Status query_star(QueryRequest& request);
+Status query_neighbours(QueryRequest& request);
+Status query_cells(QueryRequest& request);
 Status query_interpolate(QueryRequest& request);
 
 }  // namespace tessera

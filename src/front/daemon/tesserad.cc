@@ -125,7 +125,7 @@ class Life {
   // Tells the supervisor again and again that the daemon is alive. Each time it asks the service for something that
   // needs the service's lock, so a daemon that hangs is not reported alive.
   void beat(std::chrono::microseconds pause) {
-    (void)service_->figures();
+    (void)service_->health().figures();
     supervisor::alive();
     timer_.expires_after(pause);
     timer_.async_wait([this, pause](const boost::system::error_code& error) {
@@ -183,7 +183,7 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   auto opened = Service::open(std::move(options.service));
   if (!opened && turn.given_up()) return success();
   BOOST_OUTCOME_TRY(service, std::move(opened));
-  BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
+  BOOST_OUTCOME_TRY(server, http::Server::start(options.http, service->backend()));
   const std::string address = address_of(options.http, server->ports().front());
   // The token is printed once, on stdout, for the user who starts the daemon in a terminal. It must not reach a log: a
   // service manager logs what it reads from a pipe. Browsers do not send what stands behind '#', so the token is in no
@@ -196,8 +196,8 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   if (options.http.insecure) spdlog::warn("tokens and data cross the network readable");
   supervisor::ready("serving at " + address);
   std::optional<ProcessWatch> watch(
-      std::in_place, [&] { return service->unready(); }, cluster ? cluster->certificate : std::filesystem::path(),
-      cluster ? cluster->certificate_end_s : 0);
+      std::in_place, [&] { return service->health().unready(); },
+      cluster ? cluster->certificate : std::filesystem::path(), cluster ? cluster->certificate_end_s : 0);
   life.run(*service, *server);
   watch.reset();
   supervisor::stopping();

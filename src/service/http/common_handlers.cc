@@ -83,7 +83,7 @@ Answer conformance(const Call&) {
 
 Answer process_list(const Call& call) {
   ordered_json list{{"processes", ordered_json::array()}, {"links", ordered_json::array()}};
-  for (const Process& process : processes())
+  for (const Process* process : all_processes())
     list["processes"].push_back(process_summary(process, call.context.links, call.request));
   list["links"].push_back(
       {{"href", call.context.links.to(call.request, "/v1/processes")}, {"rel", "self"}, {"type", json}});
@@ -202,7 +202,7 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operation
   }
 }
 
-std::vector<Route> all_routes(Shared& shared, Backend& backend) {
+std::vector<Route> all_routes(Shared& shared, const Backend& backend) {
   std::vector<Route> routes;
   add_common_routes(routes, shared);
   add_session_routes(routes, shared);
@@ -214,8 +214,8 @@ std::vector<Route> all_routes(Shared& shared, Backend& backend) {
   add_node_routes(routes);
   add_dashboard_routes(routes);
   add_operations_routes(routes, shared,
-                        {"service", [&backend] { return backend.unready(); },
-                         [&backend](Metrics& metrics) { return metrics.text(backend.figures()); }});
+                        {"service", [&backend] { return backend.health.unready(); },
+                         [&backend](Metrics& metrics) { return metrics.text(backend.health.figures()); }});
   for (Route& route : routes)
     if (route.method != "GET" && route.method != "HEAD" && !route.upload && route.runs == Runs::disk)
       route.runs = Runs::changes;

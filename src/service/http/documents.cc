@@ -131,6 +131,11 @@ void add_documents(ordered_json& schemas) {
                        {"on_hull", {{"type", "boolean"}}},
                        {"neighbors", list_of(reference("Vertex"))},
                        {"cells", list_of(reference("Cell"))}}}};
+  schemas["Neighbours"] = {
+      {"type", "object"},
+      {"required", {"asked", "vertex", "on_hull", "neighbors"}},
+      {"properties",
+       {{"asked", whole}, {"vertex", whole}, {"on_hull", {{"type", "boolean"}}}, {"neighbors", list_of(whole)}}}};
   schemas["Profile"] = {
       {"type", "object"},
       {"required", {"points"}},

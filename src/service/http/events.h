@@ -12,7 +12,7 @@
 #include "service.pb.h"
 #include "src/service/http/links.h"
 #include "src/service/http/message.h"
-#include "src/service/service.h"
+#include "src/service/jobs/jobs_backend.h"
 
 namespace tessera::http {
 
@@ -47,7 +47,7 @@ class EventQueue {
   void add(const std::shared_ptr<const proto::Event>& event);
   void add_text(const std::string& text);
   void end();
-  void keep(std::unique_ptr<Backend::Subscription> subscription) { subscription_ = std::move(subscription); }
+  void keep(std::unique_ptr<Subscription> subscription) { subscription_ = std::move(subscription); }
 
   // Returns all text that waits. `over` is set when nothing will come after it. A watcher that was too slow gets no
   // more text.
@@ -64,7 +64,7 @@ class EventQueue {
   bool over_ = false;
   std::function<void()> woken_;
   // Last, so that it is destroyed first and add() is not called any more.
-  std::unique_ptr<Backend::Subscription> subscription_;
+  std::unique_ptr<Subscription> subscription_;
 };
 
 }  // namespace tessera::http

@@ -44,13 +44,14 @@ void warn(const std::string& line) { spdlog::warn("{}", line); }
 
 }  // namespace
 
-Front::Front(Backend& backend, Tokens tokens, FrontOptions options)
-    : tokens_(std::move(tokens)),
+Front::Front(const Backend& backend, Tokens tokens, FrontOptions options)
+    : backend_(backend),
+      tokens_(std::move(tokens)),
       sessions_(options.sessions),
       links_(options.public_url),
       guard_(tokens_, sessions_, options.hosts, options.public_url),
-      router_(all_routes(shared_, backend)),
-      context_{&backend, links_},
+      router_(all_routes(shared_, *backend_)),
+      context_{&*backend_, links_},
       refusals_(warn) {
   shared_.guard = &guard_;
 }
@@ -131,7 +132,7 @@ Answer Front::answer(const Request& request, const Admitted& admitted) {
   try {
     Answer answer = admitted.route->handler({request, admitted.arguments, context_});
     // Checked last: then the answer was true while the data folder was this daemon's.
-    const auto lost = context_.backend ? context_.backend->lost() : std::nullopt;
+    const auto lost = context_.backend ? context_.backend->health.lost() : std::nullopt;
     return lost ? problem(503, *lost, static_cast<int>(Errc::io)) : std::move(answer);
   } catch (const std::exception& failure) {
     spdlog::error("{} {}: {}", request.method, request.target.path, failure.what());
@@ -139,7 +140,7 @@ Answer Front::answer(const Request& request, const Admitted& admitted) {
   }
 }
 
-Reply<std::unique_ptr<Backend::Upload>> Front::begin_upload(const Request& request, const Admitted& admitted) {
+Reply<std::unique_ptr<Upload>> Front::begin_upload(const Request& request, const Admitted& admitted) {
   return admitted.route->upload({request, admitted.arguments, context_});
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/service/backend.h"
 #include "src/service/http/guard.h"
 #include "src/service/http/handlers.h"
 #include "src/service/http/links.h"
@@ -19,7 +20,6 @@
 #include "src/service/http/router.h"
 #include "src/service/http/sessions.h"
 #include "src/service/http/tokens.h"
-#include "src/service/service.h"
 
 namespace tessera::http {
 
@@ -39,7 +39,7 @@ struct Admitted {
 
 class Front {
  public:
-  Front(Backend& backend, Tokens tokens, FrontOptions options);
+  Front(const Backend& backend, Tokens tokens, FrontOptions options);
   // Loads the sessions of the process before. Errors: as Sessions::load().
   Status load_sessions();
   // For a process without an API: only health and figures, which need no token.
@@ -49,7 +49,7 @@ class Front {
   Admitted admit(Request& request, std::string_view target, Place place);
   // Answers a request whose body was read.
   Answer answer(const Request& request, const Admitted& admitted);
-  Reply<std::unique_ptr<Backend::Upload>> begin_upload(const Request& request, const Admitted& admitted);
+  Reply<std::unique_ptr<Upload>> begin_upload(const Request& request, const Admitted& admitted);
   // Writes the problem, if any, and the security headers; updates figures and audit.
   void complete(const Request& request, const Admitted& admitted, Answer& answer);
 
@@ -65,6 +65,7 @@ class Front {
  private:
   std::optional<Answer> refusal(Request& request, Admitted& admitted, std::string_view target, Place place);
 
+  const std::optional<Backend> backend_;  // nothing: only health and figures are served
   Tokens tokens_;
   Sessions sessions_;
   Links links_;

@@ -32,7 +32,7 @@ struct Operations {
   std::function<std::string(Metrics&)> figures;  // as text
 };
 
-std::vector<Route> all_routes(Shared& shared, Backend& backend);
+std::vector<Route> all_routes(Shared& shared, const Backend& backend);
 // Only health and figures.
 std::vector<Route> node_routes(Shared& shared, const NodeHealth& node);
 

@@ -7,6 +7,7 @@
 #include "src/service/http/processes.h"
 #include "src/service/http/ranges.h"
 #include "src/service/json.h"
+#include "src/service/processes/table.h"
 
 namespace tessera::http {
 namespace {
@@ -44,12 +45,12 @@ Answer execute(const Call& call) {
   if (!inputs) return bad_request(inputs.error());
   const bool asks_for_job = call.request.header("prefer").find("respond-async") != std::string_view::npos;
   if (process->waits && !asks_for_job) {
-    Reply<std::string> told = call.context.backend->info(inputs.value().info(), call.request.caller);
+    Reply<std::string> told = call.context.backend->processes.info(inputs.value().info(), call.request.caller);
     return told ? json_answer(200, std::move(told.value())) : problem(told.error());
   }
   const std::string_view key = call.request.header("idempotency-key");
   if (key.size() > key_length_max) return problem(400, "Idempotency-Key: has more than 255 characters", 2);
-  Reply<Backend::Submitted> submitted = call.context.backend->submit(inputs.value(), call.request.caller, key);
+  Reply<Submitted> submitted = call.context.backend->processes.submit(inputs.value(), call.request.caller, key);
   if (!submitted) return problem(submitted.error());
   proto::StatusInfo& status = submitted.value().status;
   call.context.links.add(call.request, status);
@@ -62,11 +63,11 @@ Answer execute(const Call& call) {
 
 Answer estimate(const Call& call) {
   const Process* process = find_process(call.arguments[0]);
-  if (!process || !process->estimated) return unknown_process(call.arguments[0]);
+  if (!process || !process->estimated()) return unknown_process(call.arguments[0]);
   if (auto refused = wrong_type(call.request)) return std::move(*refused);
   const Result<proto::Inputs> inputs = read_inputs(*process, call.request);
   if (!inputs) return bad_request(inputs.error());
-  const Reply<proto::Estimate> told = call.context.backend->estimate(inputs.value(), call.request.caller);
+  const Reply<proto::Estimate> told = call.context.backend->processes.estimate(inputs.value(), call.request.caller);
   return told ? message_answer(call.request, 200, told.value()) : problem(told.error());
 }
 
@@ -83,7 +84,7 @@ Answer jobs(const Call& call) {
   for (const std::string& state : query.states)
     if (std::find(std::begin(states), std::end(states), state) == std::end(states))
       return problem(400, "status: must be accepted, running, successful, failed or dismissed", 2);
-  Reply<proto::JobList> found = call.context.backend->jobs(query);
+  Reply<proto::JobList> found = call.context.backend->jobs.list(query);
   if (!found) return problem(found.error());
   proto::JobList& list = found.value();
   for (proto::StatusInfo& job : *list.mutable_jobs()) call.context.links.add(call.request, job);
@@ -106,19 +107,19 @@ Answer status_answer(const Call& call, Reply<proto::StatusInfo> status) {
   return message_answer(call.request, 200, status.value());
 }
 
-Answer job(const Call& call) { return status_answer(call, call.context.backend->job(call.arguments[0])); }
+Answer job(const Call& call) { return status_answer(call, call.context.backend->jobs.status(call.arguments[0])); }
 
 Answer dismiss(const Call& call) {
-  return status_answer(call, call.context.backend->dismiss(call.arguments[0], call.request.caller));
+  return status_answer(call, call.context.backend->jobs.dismiss(call.arguments[0], call.request.caller));
 }
 
 Answer resume(const Call& call) {
-  return status_answer(call, call.context.backend->resume(call.arguments[0], call.request.caller));
+  return status_answer(call, call.context.backend->jobs.resume(call.arguments[0], call.request.caller));
 }
 
 // Files by reference; output of a command in place.
 Answer results(const Call& call) {
-  const Reply<proto::StatusInfo> found = call.context.backend->job(call.arguments[0]);
+  const Reply<proto::StatusInfo> found = call.context.backend->jobs.status(call.arguments[0]);
   if (!found) return problem(found.error());
   const proto::StatusInfo& status = found.value();
   if (status.status() == "failed" && status.has_problem()) return problem(status.problem());
@@ -132,7 +133,7 @@ Answer results(const Call& call) {
     told["triangulation"] = {{"href", call.context.links.to(call.request, path)}, {"type", json}};
   }
   if (status.process_id() != "triangulate") {
-    const Reply<std::string> outcome = call.context.backend->outcome(call.arguments[0]);
+    const Reply<std::string> outcome = call.context.backend->jobs.outcome(call.arguments[0]);
     if (!outcome) return problem(outcome.error());
     const auto value = parse_ordered_json(outcome.value());
     told["outcome"] = {{"value", value.is_discarded() ? nlohmann::ordered_json(outcome.value()) : value}};
@@ -143,17 +144,17 @@ Answer results(const Call& call) {
 Answer tiles(const Call& call) {
   const auto layout = call.request.target.parameter("layout").value_or("false");
   if (layout != "true" && layout != "false") return problem(400, "layout: must be true or false", 2);
-  const Reply<proto::JobTiles> found = call.context.backend->tiles(call.arguments[0], layout == "true");
+  const Reply<proto::JobTiles> found = call.context.backend->jobs.tiles(call.arguments[0], layout == "true");
   return found ? message_answer(call.request, 200, found.value()) : problem(found.error());
 }
 
 Answer log(const Call& call) {
-  const Reply<ServedFile> file = call.context.backend->log(call.arguments[0]);
+  const Reply<ServedFile> file = call.context.backend->jobs.log(call.arguments[0]);
   return file ? file_answer(call.request, file.value()) : problem(file.error());
 }
 
 Answer report(const Call& call) {
-  const Reply<ServedFile> file = call.context.backend->report(call.arguments[0]);
+  const Reply<ServedFile> file = call.context.backend->jobs.report(call.arguments[0]);
   return file ? file_answer(call.request, file.value()) : problem(file.error());
 }
 
@@ -171,7 +172,7 @@ Answer events(const Call& call, Shared& shared, const std::string& id) {
   auto queue = std::make_shared<EventQueue>(shared.texts, id, EventQueue::Limits{});
   std::string told;  // the state
   const auto tell_now = [&]() -> std::optional<proto::Problem> {
-    Reply<proto::StatusInfo> status = call.context.backend->job(id);
+    Reply<proto::StatusInfo> status = call.context.backend->jobs.status(id);
     if (!status) return status.error();
     if (last != 0 || status.value().status() == told) return std::nullopt;
     told = status.value().status();
@@ -187,7 +188,7 @@ Answer events(const Call& call, Shared& shared, const std::string& id) {
   if (!id.empty())
     if (const auto refused = tell_now()) return problem(*refused);
   // The queue outlives the subscription that it holds.
-  Reply<std::unique_ptr<Backend::Subscription>> subscription = call.context.backend->subscribe(
+  Reply<std::unique_ptr<Subscription>> subscription = call.context.backend->jobs.subscribe(
       id, last, [to = queue.get()](const std::shared_ptr<const proto::Event>& event) { to->add(event); });
   if (!subscription) return problem(subscription.error());
   // Again, because the watcher missed a change between the two calls, which may have been the last.

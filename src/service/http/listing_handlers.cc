@@ -23,13 +23,13 @@ void add_links(const Call& call, proto::ExportInfo& made) {
     return;
   }
   const std::string path = (exports_folder("") / made.name()).string();
-  if (const auto file = backend.file(name, path)) {
+  if (const auto file = backend.results.file(name, path)) {
     const FileHandle opened(file.value().descriptor);
     *made.add_links() = links.link(call.request, file_path(name, path), "item", file.value().type, "The file");
   }
-  if (made.name() == "dem.tif" && backend.map_extent(name))
+  if (made.name() == "dem.tif" && backend.questions.map_extent(name))
     *made.add_links() = links.link(call.request, self + "/map/tiles", map_relation, json, "As a map");
-  if (const std::string id = name + ".contours"; made.name() == "contours.gpkg" && backend.collection(id))
+  if (const std::string id = name + ".contours"; made.name() == "contours.gpkg" && backend.questions.collection(id))
     *made.add_links() =
         links.link(call.request, "/v1/collections/" + encode_segment(id), "collection", json, "As features");
 }
@@ -37,8 +37,8 @@ void add_links(const Call& call, proto::ExportInfo& made) {
 Answer exports(const Call& call) {
   const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
   if (!limit) return bad_request(limit.error());
-  Reply<proto::ExportList> found = call.context.backend->exports(call.arguments[0], limit.value(),
-                                                                 call.request.target.parameter("after").value_or(""));
+  Reply<proto::ExportList> found = call.context.backend->results.exports(
+      call.arguments[0], limit.value(), call.request.target.parameter("after").value_or(""));
   if (!found) return problem(found.error());
   proto::ExportList& list = found.value();
   for (proto::ExportInfo& one : *list.mutable_exports()) add_links(call, one);
@@ -56,7 +56,7 @@ Answer inputs(const Call& call) {
   const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
   if (!limit) return bad_request(limit.error());
   const std::string folder(call.request.target.parameter("folder").value_or(""));
-  Reply<proto::InputList> found = call.context.backend->inputs(
+  Reply<proto::InputList> found = call.context.backend->inputs.list(
       folder, limit.value(), call.request.target.parameter("after").value_or(""), call.request.caller);
   if (!found) return problem(found.error());
   proto::InputList& list = found.value();

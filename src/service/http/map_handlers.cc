@@ -49,7 +49,7 @@ ordered_json told(const Call& call, const FeatureCollection& collection) {
 }
 
 Answer collections(const Call& call) {
-  const auto found = call.context.backend->collections();
+  const auto found = call.context.backend->questions.collections();
   if (!found) return problem(found.error());
   ordered_json list{{"links", {link(call, "/v1/collections", "self", json, "What there is for maps")}},
                     {"collections", ordered_json::array()}};
@@ -58,7 +58,7 @@ Answer collections(const Call& call) {
 }
 
 Answer collection(const Call& call) {
-  const auto found = call.context.backend->collection(call.arguments[0]);
+  const auto found = call.context.backend->questions.collection(call.arguments[0]);
   return found ? json_answer(200, json_text(told(call, found.value()))) : problem(found.error());
 }
 
@@ -75,12 +75,12 @@ Answer with_links(const Call& call, QuestionAnswer found, ordered_json links) {
 }
 
 Answer items(const Call& call) {
-  const auto known = call.context.backend->collection(call.arguments[0]);
+  const auto known = call.context.backend->questions.collection(call.arguments[0]);
   if (!known) return problem(known.error());
   Question question{.about = About::features, .triangulation = known.value().triangulation, .stop = call.request.stop};
   for (const auto& [key, value] : call.request.target.query) question.options.emplace(key, value);
   question.options["kind"] = known.value().kind;
-  Reply<QuestionAnswer> found = call.context.backend->ask(question);
+  Reply<QuestionAnswer> found = call.context.backend->questions.ask(question);
   if (!found) return problem(found.error());
   const std::string self = collection_path(known.value().id);
   const auto page = [&](std::optional<std::uint64_t> after) {
@@ -101,12 +101,12 @@ std::string asked_crs(const Call& call) {
 }
 
 Answer item(const Call& call) {
-  const auto known = call.context.backend->collection(call.arguments[0]);
+  const auto known = call.context.backend->questions.collection(call.arguments[0]);
   if (!known) return problem(known.error());
   Question question{.about = About::features, .triangulation = known.value().triangulation, .stop = call.request.stop};
   question.options = {{"kind", known.value().kind}, {"item", call.arguments[1]}};
   if (const auto crs = call.request.target.parameter("crs")) question.options["crs"] = *crs;
-  Reply<QuestionAnswer> found = call.context.backend->ask(question);
+  Reply<QuestionAnswer> found = call.context.backend->questions.ask(question);
   if (!found) return problem(found.error());
   if (found.value().text.empty())
     return problem(404, "collection '" + known.value().id + "' has no feature " + call.arguments[1], 2);
@@ -135,7 +135,7 @@ ordered_json tileset(const Call& call, const std::string& name, const std::array
 }
 
 Answer map_tilesets(const Call& call) {
-  const auto extent = call.context.backend->map_extent(call.arguments[0]);
+  const auto extent = call.context.backend->questions.map_extent(call.arguments[0]);
   if (!extent) return problem(extent.error());
   const ordered_json list{{"tilesets", {tileset(call, call.arguments[0], extent.value())}},
                           {"links", {link(call, triangulation_path(call.arguments[0]) + "/map/tiles", "self", json)}}};
@@ -143,7 +143,7 @@ Answer map_tilesets(const Call& call) {
 }
 
 Answer map_tileset(const Call& call) {
-  const auto extent = call.context.backend->map_extent(call.arguments[0]);
+  const auto extent = call.context.backend->questions.map_extent(call.arguments[0]);
   if (!extent) return problem(extent.error());
   return json_answer(200, json_text(tileset(call, call.arguments[0], extent.value())));
 }
@@ -154,7 +154,7 @@ bool is_number(const std::string& text) {
 }
 
 Answer map_tile(const Call& call) {
-  const auto extent = call.context.backend->map_extent(call.arguments[0]);
+  const auto extent = call.context.backend->questions.map_extent(call.arguments[0]);
   if (!extent) return problem(extent.error());
   const auto &level = call.arguments[1], &row = call.arguments[2], &column = call.arguments[3];
   const bool numbers = is_number(level) && is_number(row) && is_number(column);
@@ -164,7 +164,7 @@ Answer map_tile(const Call& call) {
   Question question{.about = About::map_tile, .triangulation = call.arguments[0], .stop = call.request.stop};
   question.options = {{"level", level}, {"row", row}, {"column", column}};
   if (const auto style = call.request.target.parameter("style")) question.options["style"] = *style;
-  Reply<QuestionAnswer> found = call.context.backend->ask(question);
+  Reply<QuestionAnswer> found = call.context.backend->questions.ask(question);
   if (!found) return problem(found.error());
   Answer answer;
   // The raster may be drawn anew.

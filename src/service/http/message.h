@@ -14,8 +14,9 @@
 
 #include "service.pb.h"
 #include "src/base/files/descriptor.h"
+#include "src/service/caller.h"
 #include "src/service/http/target.h"
-#include "src/service/service.h"
+#include "src/service/reply.h"
 
 namespace tessera::http {
 

@@ -137,7 +137,7 @@ void Metrics::tell(const ProcessFigures& process, bool ready) {
   my.set("process_threads", "Threads", process.threads);
 }
 
-std::string Metrics::text(const Backend::Figures& figures) {
+std::string Metrics::text(const ServiceFigures& figures) {
   Impl& my = *impl_;
   const std::scoped_lock lock(my.scraping);
   auto& jobs = my.gauges("tessera_jobs", "Jobs that wait or run, by state");

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "src/service/health_backend.h"
 #include "src/service/http/node_health.h"
 #include "src/service/http/process_figures.h"
 #include "src/service/http/router.h"
-#include "src/service/service.h"
 
 namespace tessera::http {
 
@@ -25,7 +25,7 @@ class Metrics {
   void count_failed_authentication();
   void add_connections(double change);
   // All figures in the text format of Prometheus.
-  std::string text(const Backend::Figures& figures);
+  std::string text(const ServiceFigures& figures);
   std::string text(const NodeFigures& figures);
   // Sets the figures that both kinds of process have. Call this before text().
   void tell(const ProcessFigures& process, bool ready);

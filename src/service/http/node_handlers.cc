@@ -8,7 +8,7 @@ namespace {
 constexpr const char* json = "application/json";
 
 Answer nodes(const Call& call) {
-  Reply<proto::NodeList> found = call.context.backend->nodes();
+  Reply<proto::NodeList> found = call.context.backend->nodes.list();
   if (!found) return problem(found.error());
   found.value().clear_links();
   *found.value().add_links() = call.context.links.link(call.request, "/v1/nodes", "self", json);
@@ -16,7 +16,7 @@ Answer nodes(const Call& call) {
 }
 
 Answer drain(const Call& call) {
-  const Reply<proto::NodeInfo> drained = call.context.backend->drain(call.arguments[0], call.request.caller);
+  const Reply<proto::NodeInfo> drained = call.context.backend->nodes.drain(call.arguments[0], call.request.caller);
   return drained ? message_answer(call.request, 200, drained.value()) : problem(drained.error());
 }
 

@@ -1,14 +1,13 @@
 #include "src/service/http/processes.h"
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <map>
 #include <string>
 
 #include "src/base/json/json_text.h"
 #include "src/service/http/schema.h"
 #include "src/service/json.h"
+#include "src/service/processes/table.h"
 
 namespace tessera::http {
 namespace {
@@ -16,34 +15,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* version = "1.0.0";
-
-const std::array<Process, 8>& all() {
-  static const std::array<Process, 8> list{
-      {{"triangulate", "Triangulate", "The exact Delaunay triangulation of point clouds, in tiles.",
-        proto::TriangulateInputs::descriptor(), false, "The triangulation, by reference", true},
-       {"region", "Region",
-        "The exact cells of a region of point clouds, of which only what they need is read: bbox or polygon says "
-        "where.",
-        proto::RegionInputs::descriptor(), false, "The cells, a result as those of triangulate, by reference", true},
-       {"verify", "Verify", "Proves that a result is the Delaunay triangulation of its points.",
-        proto::VerifyInputs::descriptor(), false, "What was proved", false},
-       {"export", "Export", "Writes a result as a file of another program.", proto::ExportInputs::descriptor(), false,
-        "The file, by reference", true},
-       {"dem", "Raster",
-        "The surface of a 2D result as a raster, a Cloud Optimized GeoTIFF. Called dem.tif it is a map, too.",
-        proto::DemInputs::descriptor(), false, "The file, by reference", true},
-       {"contours", "Contour lines",
-        "The contour lines of a 2D result. Called contours.gpkg they are a collection of features, too.",
-        proto::ContoursInputs::descriptor(), false, "The file, by reference", true},
-       {"surface", "Surface",
-        "A closed surface of a 3D result, every triangle a facet of the triangulation. surface.ply when no name is "
-        "given.",
-        proto::SurfaceInputs::descriptor(), false, "The file, by reference", false},
-       {"info", "Info",
-        "What input files or a result hold. Answered at once, unless Prefer: respond-async makes it a job.",
-        proto::InfoInputs::descriptor(), true, "What they hold", false}}};
-  return list;
-}
 
 const char* help_of(const std::string& field) {
   static const std::map<std::string, const char*> texts{
@@ -112,26 +83,15 @@ const char* help_of(const std::string& field) {
   return text == texts.end() ? nullptr : text->second;
 }
 
+const google::protobuf::Descriptor& inputs_of(const Process& process) { return *member_of(process).message_type(); }
+
 bool is_required(const Process& process, const std::string& field) {
-  const auto required = required_fields().find(process.inputs->name());
+  const auto required = required_fields().find(inputs_of(process).name());
   if (required == required_fields().end()) return false;
   return std::find(required->second.begin(), required->second.end(), field) != required->second.end();
 }
 
-// In protobuf, the process in the address and the member of the oneof have the same name.
-const google::protobuf::FieldDescriptor& member_of(const Process& process) {
-  return *proto::Inputs::descriptor()->FindFieldByName(process.name);
-}
-
 }  // namespace
-
-std::span<const Process> processes() { return all(); }
-
-const Process* find_process(std::string_view name) {
-  for (const Process& process : all())
-    if (name == process.name) return &process;
-  return nullptr;
-}
 
 ordered_json process_summary(const Process& process, const Links& links, const Request& request) {
   const std::string self = std::string("/v1/processes/") + process.name;
@@ -147,7 +107,7 @@ ordered_json process_summary(const Process& process, const Links& links, const R
   summary["links"].push_back({{"href", links.to(request, self + "/execution")},
                               {"rel", "http://www.opengis.net/def/rel/ogc/1.0/execute"},
                               {"type", "application/json"}});
-  if (process.estimated)
+  if (process.estimated())
     summary["links"].push_back(
         {{"href", links.to(request, self + "/estimate")}, {"rel", "estimate"}, {"type", "application/json"}});
   return summary;
@@ -156,8 +116,8 @@ ordered_json process_summary(const Process& process, const Links& links, const R
 ordered_json process_description(const Process& process, const Links& links, const Request& request) {
   ordered_json description = process_summary(process, links, request);
   description["inputs"] = ordered_json::object();
-  for (int at = 0; at < process.inputs->field_count(); ++at) {
-    const google::protobuf::FieldDescriptor& field = *process.inputs->field(at);
+  for (int at = 0; at < inputs_of(process).field_count(); ++at) {
+    const google::protobuf::FieldDescriptor& field = *inputs_of(process).field(at);
     const std::string name = json_name(field);
     ordered_json input{{"title", name}};
     if (const char* help = help_of(name)) input["description"] = help;

@@ -62,7 +62,7 @@ Question question_of(const Call& call, About about, const std::string& type = {}
 
 Handler asks(About about) {
   return [about](const Call& call) {
-    const Reply<std::string> identity = call.context.backend->identity(call.arguments[0]);
+    const Reply<std::string> identity = call.context.backend->questions.identity(call.arguments[0]);
     if (!identity) return problem(identity.error());
     const Question question = question_of(call, about);
     const std::string tag = tag_of(identity.value(), call.request, question.as_message);
@@ -70,7 +70,7 @@ Handler asks(About about) {
     if (names_tag(call.request.header("if-none-match"), tag, true)) {
       answer.status = 304;
     } else {
-      Reply<QuestionAnswer> found = call.context.backend->ask(question);
+      Reply<QuestionAnswer> found = call.context.backend->questions.ask(question);
       if (!found) return problem(found.error());
       answer = answer_of(std::move(found).value());
     }
@@ -92,7 +92,7 @@ Handler asks_with_body(About about, std::vector<std::string> types) {
       return problem(415, "Content-Type: must be one of " + list, 2);
     }
     question.body = call.request.body;
-    Reply<QuestionAnswer> found = call.context.backend->ask(question);
+    Reply<QuestionAnswer> found = call.context.backend->questions.ask(question);
     if (!found) return problem(found.error());
     Answer answer = answer_of(std::move(found).value());
     if (has_message(about)) answer.headers.emplace_back("Vary", "Accept");
@@ -141,6 +141,9 @@ void add_question_routes(std::vector<Route>& routes) {
   routes.push_back(std::move(locate));
   routes.push_back(route("GET", "vertices/{vertex}/star", "getStar", "What is around a vertex",
                          {{200, json, "Star", "Its cells, neighbours and Voronoi volume"}}, asks(About::star),
+                         {{"tile", "integer", "The tile that owns the vertex, if it is known"}}));
+  routes.push_back(route("GET", "vertices/{vertex}/neighbours", "getNeighbours", "Which vertices share an edge with it",
+                         {{200, json, "Neighbours", "Their source indices, ascending"}}, asks(About::neighbours),
                          {{"tile", "integer", "The tile that owns the vertex, if it is known"}}));
   routes.push_back(route("GET", "cells", "getCells", "The cells that meet a box", mesh, asks(About::cells),
                          {bbox, cell_format, limit}));

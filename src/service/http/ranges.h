@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "src/service/http/message.h"
-#include "src/service/service.h"
+#include "src/service/reply.h"
 
 namespace tessera::http {
 

@@ -23,7 +23,7 @@ Answer triangulations(const Call& call) {
   const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
   if (!limit) return bad_request(limit.error());
   Reply<proto::TriangulationList> found =
-      call.context.backend->triangulations(limit.value(), call.request.target.parameter("after").value_or(""));
+      call.context.backend->results.list(limit.value(), call.request.target.parameter("after").value_or(""));
   if (!found) return problem(found.error());
   proto::TriangulationList& list = found.value();
   for (proto::TriangulationInfo& one : *list.mutable_triangulations()) call.context.links.add(call.request, one);
@@ -39,26 +39,26 @@ Answer triangulations(const Call& call) {
 }
 
 Answer triangulation(const Call& call) {
-  Reply<proto::TriangulationInfo> found = call.context.backend->triangulation(call.arguments[0]);
+  Reply<proto::TriangulationInfo> found = call.context.backend->results.info(call.arguments[0]);
   if (!found) return problem(found.error());
   call.context.links.add(call.request, found.value());
   return message_answer(call.request, 200, found.value());
 }
 
 Answer remove(const Call& call) {
-  const Reply<void> removed = call.context.backend->remove_triangulation(call.arguments[0], call.request.caller);
+  const Reply<void> removed = call.context.backend->results.remove(call.arguments[0], call.request.caller);
   return removed ? no_content() : problem(removed.error());
 }
 
 Answer file(const Call& call) {
-  const Reply<ServedFile> found = call.context.backend->file(call.arguments[0], call.arguments[1]);
+  const Reply<ServedFile> found = call.context.backend->results.file(call.arguments[0], call.arguments[1]);
   return found ? file_answer(call.request, found.value()) : problem(found.error());
 }
 
 // The files of the tileset that the dashboard shows, where programs expect a tileset.
 Answer tileset(const Call& call) {
   const std::filesystem::path path = tileset_of_result("") / call.arguments[1];
-  const Reply<ServedFile> found = call.context.backend->file(call.arguments[0], path.string());
+  const Reply<ServedFile> found = call.context.backend->results.file(call.arguments[0], path.string());
   if (found) return file_answer(call.request, found.value());
   if (found.error().status() != 404) return problem(found.error());
   return problem(
@@ -76,12 +76,12 @@ Answer remove_export(const Call& call) {
   if (!path.starts_with(begin))
     return problem(404, "there is no export at this address: other files go with their triangulation", 2);
   const Reply<void> removed =
-      call.context.backend->remove_export(call.arguments[0], path.substr(begin.size()), call.request.caller);
+      call.context.backend->results.remove_export(call.arguments[0], path.substr(begin.size()), call.request.caller);
   return removed ? no_content() : problem(removed.error());
 }
 
 Answer uploaded(const Call& call) {
-  const Reply<std::uint64_t> bytes = call.context.backend->uploaded(call.arguments[0], call.arguments[1]);
+  const Reply<std::uint64_t> bytes = call.context.backend->inputs.uploaded(call.arguments[0], call.arguments[1]);
   if (!bytes) return problem(bytes.error());
   Answer answer;
   answer.status = 204;
@@ -91,11 +91,11 @@ Answer uploaded(const Call& call) {
 
 Answer remove_upload(const Call& call) {
   const Reply<void> removed =
-      call.context.backend->remove_upload(call.arguments[0], call.arguments[1], call.request.caller);
+      call.context.backend->inputs.remove_upload(call.arguments[0], call.arguments[1], call.request.caller);
   return removed ? no_content() : problem(removed.error());
 }
 
-Reply<std::unique_ptr<Backend::Upload>> upload(const Call& call) {
+Reply<std::unique_ptr<Upload>> upload(const Call& call) {
   std::uint64_t offset = 0;
   const std::string_view text = call.request.header("upload-offset");
   if (!text.empty()) {
@@ -108,7 +108,7 @@ Reply<std::unique_ptr<Backend::Upload>> upload(const Call& call) {
       return problem;
     }
   }
-  return call.context.backend->upload(call.arguments[0], call.arguments[1], offset, call.request.caller);
+  return call.context.backend->inputs.upload(call.arguments[0], call.arguments[1], offset, call.request.caller);
 }
 
 }  // namespace

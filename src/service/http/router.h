@@ -8,15 +8,15 @@
 #include <string_view>
 #include <vector>
 
+#include "src/service/backend.h"
 #include "src/service/http/links.h"
 #include "src/service/http/message.h"
-#include "src/service/service.h"
 
 namespace tessera::http {
 
 // What handlers need in addition to the request.
 struct Context {
-  Backend* backend;  // null where only health and figures are served
+  const Backend* backend;  // null where only health and figures are served
   const Links& links;
 };
 
@@ -42,7 +42,7 @@ enum class Place : std::uint8_t { api, operations };
 
 using Handler = std::function<Answer(const Call&)>;
 // Begins to receive a body of any length.
-using UploadHandler = std::function<Reply<std::unique_ptr<Backend::Upload>>(const Call&)>;
+using UploadHandler = std::function<Reply<std::unique_ptr<Upload>>(const Call&)>;
 
 // Where a handler runs. A handler may wait for a disk, or for another thread that writes to a disk.
 enum class Runs : std::uint8_t {

@@ -55,7 +55,7 @@ struct Server::Impl {
     std::string address;  // the group for which it counts
   };
 
-  Impl(ServerOptions given, Backend& backend, Tokens tokens)
+  Impl(ServerOptions given, const Backend& backend, Tokens tokens)
       : options(std::move(given)),
         front(backend, std::move(tokens), {options.public_url, options.hosts, options.sessions}),
         limits(limits_of(options)) {}
@@ -216,7 +216,7 @@ Server::~Server() {
   impl_->front.tell_refusals(RefusalLog::Clock::time_point::max());
 }
 
-Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Backend& backend) {
+Result<std::unique_ptr<Server>> Server::start(ServerOptions options, const Backend& backend) {
   if (options.listeners.empty()) return error(Errc::usage, "listen: no address is given");
   BOOST_OUTCOME_TRY(tokens, Tokens::open(options.tokens));
   auto impl = std::make_unique<Impl>(std::move(options), backend, std::move(tokens));

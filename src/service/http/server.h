@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/service/backend.h"
 #include "src/service/http/node_health.h"
-#include "src/service/service.h"
 
 namespace tessera::http {
 
@@ -45,7 +45,7 @@ class Server {
   // Returns after the server has begun to listen. Errors: usage for invalid options (and for the API beyond the
   // loopback without TLS, unless `insecure`); io for an address that is not available. `backend` must outlive the
   // server.
-  static Result<std::unique_ptr<Server>> start(ServerOptions options, Backend& backend);
+  static Result<std::unique_ptr<Server>> start(ServerOptions options, const Backend& backend);
   // Serves health and figures of a process without an API: all listeners are for operations. Errors as above.
   static Result<std::unique_ptr<Server>> start(ServerOptions options, const NodeHealth& node);
   // Ends all connections at once.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/service/service.h"
+#include "src/service/caller.h"
 
 namespace tessera::http {
 

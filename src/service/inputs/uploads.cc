@@ -15,10 +15,10 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/job/report/human.h"
-#include "src/service/processes/costs.h"
 #include "src/service/naming.h"
-#include "src/service/results/owners.h"
 #include "src/service/problem.h"
+#include "src/service/processes/costs.h"
+#include "src/service/results/owners.h"
 
 namespace tessera {
 namespace fs = std::filesystem;
@@ -50,7 +50,7 @@ proto::Problem of_another(std::string_view folder, std::string_view file, const 
 
 }  // namespace
 
-class Uploads::Sending final : public Service::Upload {
+class Uploads::Sending final : public Upload {
  public:
   Sending(Uploads& uploads, fs::path path, FileHandle file)
       : uploads_(uploads), path_(std::move(path)), file_(std::move(file)) {}
@@ -237,8 +237,8 @@ Reply<std::uint64_t> Uploads::uploaded(std::string_view folder, std::string_view
   return no_upload(folder, file);
 }
 
-Reply<std::unique_ptr<Service::Upload>> Uploads::begin(std::string_view folder, std::string_view file,
-                                                       std::uint64_t offset, const Caller& caller) {
+Reply<std::unique_ptr<Upload>> Uploads::begin(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                              const Caller& caller) {
   BOOST_OUTCOME_TRY(path, path_of(folder, file));
   const std::lock_guard lock(mutex_);
   if (active_.contains(path)) return problem(409, "this file is being sent already", Errc::usage);
@@ -271,7 +271,7 @@ Reply<std::unique_ptr<Service::Upload>> Uploads::begin(std::string_view folder, 
   if (offset == 0) gone(there, false);
   used_.files += is_new ? 1 : 0;
   active_.insert(path);
-  return std::unique_ptr<Service::Upload>(std::make_unique<Sending>(*this, std::move(path), std::move(handle).value()));
+  return std::unique_ptr<Upload>(std::make_unique<Sending>(*this, std::move(path), std::move(handle).value()));
 }
 
 }  // namespace tessera

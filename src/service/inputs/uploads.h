@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/service/service.h"
+#include "src/service/inputs/inputs_backend.h"
 #include "src/service/staging_folder.h"
 
 namespace tessera {
@@ -34,8 +34,8 @@ class Uploads {
   // Continues a file at `offset`, which must be what uploaded() returned, else 409. 400 for invalid names; 409 while
   // another client sends the same file; 507 over the limit; 403 for a complete or partial file of another owner. An
   // existing file is replaced when the new one is complete.
-  Reply<std::unique_ptr<Service::Upload>> begin(std::string_view folder, std::string_view file, std::uint64_t offset,
-                                                const Caller& caller);
+  Reply<std::unique_ptr<Upload>> begin(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                       const Caller& caller);
   // The bytes of the file that have come, partial or complete. 404 when there is neither.
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) const;
 

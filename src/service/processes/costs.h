@@ -18,7 +18,8 @@
 #include "src/result/store/tile_store.h"
 #include "src/result/terrain/contours.h"
 #include "src/result/terrain/dem.h"
-#include "src/service/service.h"
+#include "src/service/limits.h"
+#include "src/service/reply.h"
 #include "src/tiling/budget/budget.h"
 
 namespace tessera {

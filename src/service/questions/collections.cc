@@ -21,7 +21,7 @@ proto::Problem nothing(std::string_view id) {
 
 }  // namespace
 
-std::optional<Collections::Place> Collections::place_of(const Results::Held& held) {
+std::optional<Collections::Place> Collections::place_of(const ResultFolders::Held& held) {
   {
     const std::lock_guard lock(mutex_);
     if (const auto known = places_.find(held.identity); known != places_.end()) return known->second;
@@ -43,7 +43,7 @@ std::optional<Collections::Place> Collections::place_of(const Results::Held& hel
 }
 
 Result<std::optional<FeatureCollection>> Collections::make(const std::string& name, const std::string& kind,
-                                                           const Results::Held& held) {
+                                                           const ResultFolders::Held& held) {
   const std::optional<FeatureCollection> none;
   const auto place = place_of(held);
   if (!place) return none;

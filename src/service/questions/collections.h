@@ -9,15 +9,15 @@
 #include <string_view>
 #include <vector>
 
+#include "src/service/questions/questions_backend.h"
 #include "src/service/results/result_folders.h"
-#include "src/service/service.h"
 
 namespace tessera {
 
 // Thread-safe.
 class Collections {
  public:
-  explicit Collections(Results& results) : results_(results) {}
+  explicit Collections(ResultFolders& results) : results_(results) {}
 
   Reply<std::vector<FeatureCollection>> list();
   Reply<FeatureCollection> find(std::string_view id);
@@ -29,11 +29,11 @@ class Collections {
     std::string storage_crs;
   };
   // The place of a result on the earth; nothing when it is unknown or cannot be computed.
-  std::optional<Place> place_of(const Results::Held& held);
+  std::optional<Place> place_of(const ResultFolders::Held& held);
   Result<std::optional<FeatureCollection>> make(const std::string& name, const std::string& kind,
-                                                const Results::Held& held);
+                                                const ResultFolders::Held& held);
 
-  Results& results_;
+  ResultFolders& results_;
   std::mutex mutex_;
   std::map<std::string, std::optional<Place>> places_;  // by the identity of the result
 };

@@ -12,11 +12,12 @@
 #include "src/base/random_token.h"
 #include "src/base/stopped.h"
 #include "src/job/version.h"
-#include "src/service/questions/answering.h"
 #include "src/service/beneath.h"
 #include "src/service/deadline.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
+#include "src/service/questions/open_question.h"
+#include "src/service/questions/table.h"
 
 namespace tessera {
 namespace {
@@ -81,7 +82,7 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   const Ledger::Use use(&ledger);
   auto answer = [&]() -> Result<QuestionAnswer> {
     try {
-      return Answering(reader, question, limits_, folder.value().path(), ledger.token()).answer();
+      return tessera::answer(OpenQuestion(reader, question, limits_, folder.value().path(), ledger.token()));
     } catch (const Stopped& stopped) {
       return error(Errc::interrupted, stopped.what());
     }

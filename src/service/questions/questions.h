@@ -1,6 +1,7 @@
 // Answers questions to results while their callers wait. Memory, time and the size of answers are bounded.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -8,12 +9,14 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "src/base/result.h"
 #include "src/service/deadline.h"
+#include "src/service/questions/collections.h"
+#include "src/service/questions/questions_backend.h"
 #include "src/service/questions/readers.h"
 #include "src/service/results/result_folders.h"
-#include "src/service/service.h"
 
 namespace tessera {
 
@@ -28,25 +31,34 @@ struct QuestionLimits {
   std::uint64_t answer_bytes = std::uint64_t{2} << 30;  // of files: the answer and its scratch
 };
 
-class Questions {
+// Thread-safe.
+class Questions final : public QuestionsBackend {
  public:
   // `data` is the data folder; answers that are files are kept there.
-  Questions(Results& results, std::filesystem::path data, QuestionLimits limits)
-      : results_(results), data_(std::move(data)), limits_(limits), readers_(results, limits.memory_bytes / 2) {}
+  Questions(ResultFolders& results, std::filesystem::path data, QuestionLimits limits)
+      : results_(results),
+        data_(std::move(data)),
+        limits_(limits),
+        readers_(results, limits.memory_bytes / 2),
+        maps_(results) {}
   // Makes the folder for answers, without old contents.
   Status open();
 
-  Reply<std::string> identity(std::string_view name);
-  Reply<QuestionAnswer> ask(const Question& question);
+  Reply<std::string> identity(std::string_view name) override;
+  Reply<QuestionAnswer> ask(const Question& question) override;
+  Reply<std::vector<FeatureCollection>> collections() override { return maps_.list(); }
+  Reply<FeatureCollection> collection(std::string_view id) override { return maps_.find(id); }
+  Reply<std::array<double, 4>> map_extent(std::string_view name) override { return maps_.map_extent(name); }
   // Call this when the result is removed or replaced: ends the questions to it.
   void close(std::string_view name) { readers_.close(name); }
   std::size_t open_results() const { return readers_.count(); }
 
  private:
-  Results& results_;
+  ResultFolders& results_;
   const std::filesystem::path data_;
   const QuestionLimits limits_;
   Readers readers_;
+  Collections maps_;
 };
 
 }  // namespace tessera

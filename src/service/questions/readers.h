@@ -20,7 +20,7 @@ namespace tessera {
 // An open result. It stays the same result, even when another one gets its name.
 struct Reader {
   std::string name;
-  Results::Held held;
+  ResultFolders::Held held;
   query::StoredTriangulation stored;
   std::stop_source gone;  // stopped when the result is removed
   struct Hull {
@@ -33,9 +33,9 @@ struct Reader {
 class Readers {
  public:
   // Each reader gets its part of `memory_bytes` for tiles; what running questions hold comes on top.
-  Readers(Results& results, std::uint64_t memory_bytes) : results_(results), memory_bytes_(memory_bytes) {}
+  Readers(ResultFolders& results, std::uint64_t memory_bytes) : results_(results), memory_bytes_(memory_bytes) {}
 
-  // Opens the result that has this name now. Errors: those of Results::hold() and StoredTriangulation::open().
+  // Opens the result that has this name now. Errors: those of ResultFolders::hold() and StoredTriangulation::open().
   Result<std::shared_ptr<Reader>> open(std::string_view name);
   // Stops the questions that still use the result; then its memory is freed.
   void close(std::string_view name);
@@ -44,7 +44,7 @@ class Readers {
  private:
   static constexpr std::size_t readers_max = 4;
 
-  Results& results_;
+  ResultFolders& results_;
   const std::uint64_t memory_bytes_;
   mutable std::mutex mutex_;
   std::list<std::shared_ptr<Reader>> readers_;  // the most recently used first

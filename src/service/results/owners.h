@@ -1,12 +1,12 @@
 // Keeps the owner of each export and upload: the name of the token, in a file beside it, also when the job is
-// forgotten. The owner of a result is in its manifest (Results::maker).
+// forgotten. The owner of a result is in its manifest (ResultFolders::maker).
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 #include "src/base/result.h"
-#include "src/service/service.h"
+#include "src/service/caller.h"
 #include "src/service/staging_folder.h"
 
 namespace tessera {

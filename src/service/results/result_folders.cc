@@ -15,10 +15,10 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/random_token.h"
 #include "src/service/beneath.h"
-#include "src/service/processes/kinds.h"
 #include "src/service/naming.h"
-#include "src/service/results/owners.h"
 #include "src/service/problem.h"
+#include "src/service/processes/kinds.h"
+#include "src/service/results/owners.h"
 
 namespace tessera {
 namespace fs = std::filesystem;
@@ -57,15 +57,15 @@ bool is_served(const fs::path& path) {
 
 }  // namespace
 
-Results::Results(const fs::path& data, StagingFolder& desk) : results_(results_folder(data)), desk_(desk) {}
+ResultFolders::ResultFolders(const fs::path& data, StagingFolder& desk) : results_(results_folder(data)), desk_(desk) {}
 
-fs::path Results::folder(std::string_view name) const { return results_ / std::string(name); }
-fs::path Results::unfinished(const std::string& job) const { return unfinished_folder(results_, job); }
-fs::path Results::unfinished_export(std::string_view name, const std::string& job) const {
+fs::path ResultFolders::folder(std::string_view name) const { return results_ / std::string(name); }
+fs::path ResultFolders::unfinished(const std::string& job) const { return unfinished_folder(results_, job); }
+fs::path ResultFolders::unfinished_export(std::string_view name, const std::string& job) const {
   return unfinished_folder(exports_folder(folder(name)), job);
 }
 
-Result<std::vector<std::string>> Results::names() const {
+Result<std::vector<std::string>> ResultFolders::names() const {
   BOOST_OUTCOME_TRY(names, sorted_names(results_));
   std::vector<std::string> results;
   for (const auto& name : names) {
@@ -76,22 +76,22 @@ Result<std::vector<std::string>> Results::names() const {
   return results;
 }
 
-Result<bool> Results::exists(std::string_view name) const {
+Result<bool> ResultFolders::exists(std::string_view name) const {
   if (!check_name(name)) return false;
   BOOST_OUTCOME_TRY(there, is_folder(folder(name), FollowLinks::no));
   if (!there) return false;
   return is_there(manifest_file(folder(name)));
 }
 
-Result<bool> Results::export_exists(std::string_view name, const std::string& file) const {
+Result<bool> ResultFolders::export_exists(std::string_view name, const std::string& file) const {
   return is_there(exports_folder(folder(name)) / file, FollowLinks::no);
 }
 
-std::vector<std::string> Results::command_of(const proto::JobRecord& job) {
+std::vector<std::string> ResultFolders::command_of(const proto::JobRecord& job) {
   return {program, process_of(job.inputs()), job.id(), job.caller()};
 }
 
-Result<Results::Maker> Results::maker(std::string_view name) {
+Result<ResultFolders::Maker> ResultFolders::maker(std::string_view name) {
   BOOST_OUTCOME_TRY(there, exists(name));
   if (!there) return Maker{};
   const auto found = manifest(name);
@@ -103,12 +103,12 @@ Result<Results::Maker> Results::maker(std::string_view name) {
   return Maker{command[2], command.size() == 4 ? command[3] : ""};
 }
 
-Result<bool> Results::made_by(std::string_view name, const std::string& job) {
+Result<bool> ResultFolders::made_by(std::string_view name, const std::string& job) {
   BOOST_OUTCOME_TRY(known, maker(name));
   return known.job == job;
 }
 
-Result<Results::Held> Results::hold(std::string_view name) {
+Result<ResultFolders::Held> ResultFolders::hold(std::string_view name) {
   if (const auto fits = check_name(name); !fits) return error(Errc::usage, "the name " + fits.error().where);
   Held held;
   BOOST_OUTCOME_TRY(folder, open_handle(this->folder(name), O_PATH | O_DIRECTORY | O_NOFOLLOW));
@@ -133,7 +133,7 @@ Result<Results::Held> Results::hold(std::string_view name) {
   return held;
 }
 
-Result<std::optional<Results::Held>> Results::find(std::string_view name) {
+Result<std::optional<ResultFolders::Held>> ResultFolders::find(std::string_view name) {
   BOOST_OUTCOME_TRY(there, exists(name));
   if (!there) return std::optional<Held>();
   auto held = hold(name);
@@ -144,12 +144,12 @@ Result<std::optional<Results::Held>> Results::find(std::string_view name) {
   return std::optional<Held>();
 }
 
-Result<std::shared_ptr<const Manifest>> Results::manifest(std::string_view name) {
+Result<std::shared_ptr<const Manifest>> ResultFolders::manifest(std::string_view name) {
   BOOST_OUTCOME_TRY(held, hold(name));
   return held.manifest;
 }
 
-Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
+Reply<proto::TriangulationInfo> ResultFolders::info(std::string_view name) {
   const auto nothing = [&] { return problem(404, "there is no triangulation '" + std::string(name) + "'"); };
   const auto found = find(name);
   if (!found) return problem_of(found.error());
@@ -183,7 +183,7 @@ Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
   return info;
 }
 
-Reply<ServedFile> Results::file(std::string_view name, std::string_view path) {
+Reply<ServedFile> ResultFolders::file(std::string_view name, std::string_view path) {
   const auto nothing = [&] {
     return problem(404, "there is no file '" + std::string(path) + "' of a triangulation '" + std::string(name) + "'");
   };

@@ -18,15 +18,15 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
 #include "src/result/store/tile_store.h"
-#include "src/service/service.h"
+#include "src/service/reply.h"
 #include "src/service/staging_folder.h"
 
 namespace tessera {
 
-class Results {
+class ResultFolders {
  public:
   // `desk` is the staging folder of the results; every change passes through it.
-  Results(const std::filesystem::path& data, StagingFolder& desk);
+  ResultFolders(const std::filesystem::path& data, StagingFolder& desk);
   // Makes the folder. Removes what was half removed, and what was made for jobs that are not among `jobs`. Files that
   // are not ours stay.
   Status open(const std::set<std::string>& jobs);

@@ -8,8 +8,8 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/random_token.h"
-#include "src/service/processes/kinds.h"
 #include "src/service/naming.h"
+#include "src/service/processes/kinds.h"
 #include "src/service/results/owners.h"
 #include "src/service/results/result_folders.h"
 
@@ -47,7 +47,7 @@ Status remove_result(const fs::path& folder) {
 
 }  // namespace
 
-Status Results::open(const std::set<std::string>& jobs) {
+Status ResultFolders::open(const std::set<std::string>& jobs) {
   BOOST_OUTCOME_TRYV(make_directories(results_));
   // `remove` is called for entries with the name of a folder that is being removed.
   const auto clear = [&](const fs::path& folder, Status (*remove)(const fs::path&)) -> Status {
@@ -72,13 +72,13 @@ Status Results::open(const std::set<std::string>& jobs) {
   return success();
 }
 
-Result<bool> Results::is_published(const std::string& job, std::string_view name) {
+Result<bool> ResultFolders::is_published(const std::string& job, std::string_view name) {
   BOOST_OUTCOME_TRY(unpublished, is_there(unfinished(job), FollowLinks::no));
   if (unpublished) return false;
   return made_by(name, job);
 }
 
-Result<fs::path> Results::publish(const std::string& job, const std::string& name, bool overwrite) {
+Result<fs::path> ResultFolders::publish(const std::string& job, const std::string& name, bool overwrite) {
   const auto made = unfinished(job);
   BOOST_OUTCOME_TRY(published, is_published(job, name));
   if (published) return fs::path();  // published before a crash
@@ -104,7 +104,7 @@ Result<fs::path> Results::publish(const std::string& job, const std::string& nam
 }
 
 // Renames through the staging folder first, because another daemon may have a job with this id by now.
-Status Results::drop(const fs::path& folder) {
+Status ResultFolders::drop(const fs::path& folder) {
   BOOST_OUTCOME_TRY(any, is_there(folder, FollowLinks::no));
   if (!any) return success();
   const fs::path gone = removed_folder(folder.parent_path(), random_token());
@@ -112,8 +112,9 @@ Status Results::drop(const fs::path& folder) {
   return remove_whole(gone);
 }
 
-Status Results::drop_unfinished(const std::string& job) { return drop(unfinished(job)); }
-Status Results::drop_unfinished_export(std::string_view exported_from, const std::string& job, const fs::path& but) {
+Status ResultFolders::drop_unfinished(const std::string& job) { return drop(unfinished(job)); }
+Status ResultFolders::drop_unfinished_export(std::string_view exported_from, const std::string& job,
+                                             const fs::path& but) {
   const auto folder = unfinished_export(exported_from, job);
   bool stays = false;
   if (!but.empty()) {
@@ -129,16 +130,16 @@ Status Results::drop_unfinished_export(std::string_view exported_from, const std
   return success();
 }
 
-Status Results::discard(const fs::path& folder) {
+Status ResultFolders::discard(const fs::path& folder) {
   if (folder.empty()) return success();
   return remove_result(folder);
 }
 
-Result<std::string> Results::export_owner(std::string_view name, const std::string& file) const {
+Result<std::string> ResultFolders::export_owner(std::string_view name, const std::string& file) const {
   return owner_of(exports_folder(folder(name)) / file);
 }
 
-Status Results::publish_export(const proto::JobRecord& job) {
+Status ResultFolders::publish_export(const proto::JobRecord& job) {
   const auto& name = job.triangulation();
   const auto output = export_output(job.inputs()).value_or("");
   const auto made = unfinished_export(name, job.id());
@@ -176,7 +177,7 @@ Status Results::publish_export(const proto::JobRecord& job) {
   return remove_whole(ours);
 }
 
-Status Results::remove_export(std::string_view name, const std::string& file) {
+Status ResultFolders::remove_export(std::string_view name, const std::string& file) {
   const auto exports = exports_folder(folder(name));
   const auto gone = removed_folder(exports, random_token());
   BOOST_OUTCOME_TRYV(desk_.move(exports / file, gone));
@@ -184,7 +185,7 @@ Status Results::remove_export(std::string_view name, const std::string& file) {
   return forget_owner(exports / file);
 }
 
-Result<fs::path> Results::take_away(std::string_view name) {
+Result<fs::path> ResultFolders::take_away(std::string_view name) {
   auto gone = removed_folder(results_, random_token());
   BOOST_OUTCOME_TRYV(desk_.move(folder(name), gone));
   BOOST_OUTCOME_TRYV(sync_folder(results_));

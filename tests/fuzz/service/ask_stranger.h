@@ -17,8 +17,6 @@
 
 #include "src/base/files/temporary.h"
 #include "src/base/point.h"
-#include "src/service/questions/answer_messages.h"
-#include "src/service/processes/convert.h"
 #include "src/service/http/front.h"
 #include "src/service/http/head.h"
 #include "src/service/http/processes.h"
@@ -26,6 +24,8 @@
 #include "src/service/http/target.h"
 #include "src/service/http/tokens.h"
 #include "src/service/json.h"
+#include "src/service/processes/convert.h"
+#include "src/service/questions/answer_messages.h"
 #include "tests/http/fake_backend.h"
 
 namespace tessera {
@@ -43,7 +43,7 @@ class StrangersFront {
     if (!front_ || ++asked_ % 4096 == 0) {
       front_.reset();
       backend_ = std::make_unique<FakeBackend>(folder_.path(), 1000);
-      front_ = std::make_unique<http::Front>(*backend_, tokens(), http::FrontOptions{});
+      front_ = std::make_unique<http::Front>(backend_->backend(), tokens(), http::FrontOptions{});
     }
     return *front_;
   }

@@ -1,0 +1,17 @@
+// The rows of the table of processes; each has a file of its own.
+#pragma once
+
+#include "src/service/processes/process.h"
+
+namespace tessera {
+
+extern const Process contours_process;
+extern const Process dem_process;
+extern const Process export_process;
+extern const Process info_process;
+extern const Process region_process;
+extern const Process surface_process;
+extern const Process triangulate_process;
+extern const Process verify_process;
+
+}  // namespace tessera

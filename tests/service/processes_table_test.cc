@@ -1,0 +1,53 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "src/service/processes/kinds.h"
+#include "src/service/processes/table.h"
+
+namespace tessera {
+namespace {
+
+// A process without a row would be accepted by the message and never done.
+TEST(ProcessesTable, HasARowForEachKindOfInputs) {
+  std::set<std::string> wanted, rows;
+  const auto& kinds = *proto::Inputs::descriptor()->oneof_decl(0);
+  for (int i = 0; i < kinds.field_count(); ++i) wanted.insert(kinds.field(i)->name());
+  for (const Process* process : all_processes()) {
+    rows.insert(process->name);
+    EXPECT_NE(process->run, nullptr) << process->name;
+    EXPECT_EQ(process->estimated(), process->estimate != nullptr) << process->name;
+    EXPECT_EQ(&member_of(*process), kinds.file()->FindMessageTypeByName("Inputs")->FindFieldByName(process->name));
+    EXPECT_EQ(find_process(process->name), process);
+  }
+  EXPECT_EQ(rows, wanted);
+  EXPECT_EQ(find_process("nothing"), nullptr);
+}
+
+TEST(ProcessesTable, TellsWhatInputsReadAndMake) {
+  proto::Inputs inputs;
+  EXPECT_EQ(process_of(inputs), "");
+  EXPECT_EQ(result_read(inputs), "");
+  EXPECT_FALSE(makes_result(inputs));
+  EXPECT_FALSE(overwrites(inputs));
+  inputs.mutable_triangulate()->set_output("block");
+  inputs.mutable_triangulate()->set_overwrite(true);
+  EXPECT_EQ(process_of(inputs), "triangulate");
+  EXPECT_TRUE(makes_result(inputs) && overwrites(inputs));
+  EXPECT_EQ(result_output(inputs), "block");
+  EXPECT_EQ(export_output(inputs), std::nullopt);
+  EXPECT_EQ(result_read(inputs), "");
+  inputs.mutable_dem()->set_triangulation("block");
+  EXPECT_EQ(export_output(inputs), "dem.tif");
+  EXPECT_EQ(result_read(inputs), "block");
+  EXPECT_FALSE(makes_result(inputs) || overwrites(inputs));
+  inputs.mutable_surface()->set_format("3dtiles");
+  EXPECT_NE(export_output(inputs), "surface.ply");
+  inputs.mutable_surface()->set_format("ply");
+  EXPECT_EQ(export_output(inputs), "surface.ply");
+  inputs.mutable_export_()->set_output("a.vtu");
+  EXPECT_EQ(export_output(inputs), "a.vtu");
+}
+
+}  // namespace
+}  // namespace tessera
