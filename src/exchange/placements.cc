@@ -70,6 +70,15 @@ std::size_t Placements::lose(NodeId node) {
   return lost_.size() - before;
 }
 
+std::size_t Placements::release_homeless(const Lives& lives, const std::vector<bool>& given_up) {
+  const std::size_t before = released_.size();
+  std::copy_if(options_.order.begin(), options_.order.end(), std::back_inserter(released_), [&](TileId t) {
+    const bool lost = !lives(table_.node_of(t)) || (!given_up.empty() && given_up[t.value]);
+    return lost && !stored_[t.value];
+  });
+  return released_.size() - before;
+}
+
 bool Placements::answer(NodeId node, std::span<const TileId> tiles) {
   const auto asked = asked_.find(node);
   if (asked == asked_.end()) return false;  // the node was lost meanwhile, and its tiles with it

@@ -55,6 +55,10 @@ class Placements {
   // Notes that tiles which no node has begun have no node any more.
   void release(std::span<const TileId> tiles) { released_.insert(released_.end(), tiles.begin(), tiles.end()); }
 
+  // Does the same for tiles whose nodes do not live, and for tiles that their nodes have given up, without those that
+  // are stored. `given_up` is by tile; empty: none. Returns how many tiles these are.
+  std::size_t release_homeless(const Lives& lives, const std::vector<bool>& given_up = {});
+
   // A node was asked to give up some of its tiles. A node may be asked several times, and owes one answer each time.
   // answer() takes the tiles that it has given up. It returns false, and ignores them, when no answer is owed: the node
   // was lost meanwhile.

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "src/exchange/assignment.h"
+#include "src/exchange/placements.h"
 
 namespace tessera {
 
@@ -89,9 +90,17 @@ class Roster {
   void begin_stage() {
     for (Node& node : nodes_) node.begun = false;
   }
+  // Counts the tiles of each node, unless they were counted by the same table before.
+  void count_tiles(const Placements& placements) {
+    if (counted_ == placements.table().epoch) return;
+    counted_ = placements.table().epoch;
+    const std::vector<std::uint32_t> tiles = placements.tiles(nodes_.size());
+    for (std::size_t n = 0; n < tiles.size(); ++n) nodes_[n].tiles = tiles[n];
+  }
 
  private:
   std::vector<Node> nodes_;
+  std::optional<Epoch> counted_;
 };
 
 }  // namespace tessera

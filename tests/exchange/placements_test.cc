@@ -51,6 +51,16 @@ TEST_F(SixTiles, OfALostNodeBeginAgainElsewhereButForThoseThatAreStored) {
   EXPECT_TRUE(placements.complete());
 }
 
+TEST_F(SixTiles, AreHomelessWhenTheirNodesAreGoneOrHaveGivenThemUp) {
+  Placements placements = make();
+  EXPECT_EQ(placements.release_homeless(all_live), 0u);
+  placements.store(TileId{5});
+  const auto first_lives = [](NodeId node) { return node == NodeId{0}; };
+  EXPECT_EQ(placements.release_homeless(first_lives, {false, true, false, true, false, false}), 3u);
+  EXPECT_EQ(placements.homeless(), ids({1, 3, 4})) << "tile 5 is stored";
+  EXPECT_FALSE(placements.complete());
+}
+
 TEST_F(SixTiles, ThatWereGivenUpGoToWhoeverCameLate) {
   Placements placements = make();
   placements.come_late(NodeId{2});

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "src/exchange/course.h"
 #include "src/exchange/told_once.h"
 
@@ -53,6 +55,23 @@ TEST(Roster, LeavesNumbersToThoseThatAreNotFound) {
   roster.take_numbers(2);
   EXPECT_TRUE(roster.nobody());
   EXPECT_EQ(roster.add(), NodeId{2});
+}
+
+TEST(Roster, CountsTilesOncePerTable) {
+  Placements placements({{1, 1, 1}, {TileId{0}, TileId{1}, TileId{2}}, {}},
+                        {{}, 0, {NodeId{0}, NodeId{1}, NodeId{1}}, {{}, {}, {}}});
+  Roster roster;
+  const NodeId a = roster.add(), b = roster.add();
+  roster.count_tiles(placements);
+  EXPECT_EQ(roster[a].tiles, 1u);
+  EXPECT_EQ(roster[b].tiles, 2u);
+  roster[a].tiles = 9;
+  roster.count_tiles(placements);
+  EXPECT_EQ(roster[a].tiles, 9u) << "the table is the same";
+  placements.change(std::vector<Placement>{{TileId{2}, a, {{}, 1}}});
+  roster.count_tiles(placements);
+  EXPECT_EQ(roster[a].tiles, 2u);
+  EXPECT_EQ(roster[b].tiles, 1u);
 }
 
 TEST(ToldOnce, EachWordOnceUntilItIsForgotten) {
