@@ -44,9 +44,13 @@
 #include "actors/node_meter.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
+#include "actors/share_account.h"
 #include "actors/steady_actor.h"
+#include "src/exchange/followed_table.h"
+#include "src/exchange/outboxes.h"
 #include "src/exchange/schedule.h"
 #include "src/exchange/share.h"
+#include "src/exchange/tile_releases.h"
 #include "src/exchange/told_once.h"
 
 namespace tessera {
@@ -67,9 +71,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   struct Hosted {
     TileHandle handle;
     Prepared<Leave> leave;
-    Totals totals;
-    ExchangeCounts items;
-    std::uint64_t updates = 0, microseconds = 0;
+    ShareAccount::Tile counts;
     Epoch epoch;  // the epoch by which the tile last said that it goes
   };
 
@@ -90,18 +92,15 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void tell_stored(TileDone done);
   void obey(const FindShare& found);
   bool obeyed();
-  // Defined in share_outboxes.cc.
   void deliver(Packet& packet);
   void deliver(NodeId from, Update update);
   void keep_early(NodeId from, Update update);
   void deliver_early();
   void post(Update update);
-  void send_parcels(NodeId to);
-  void stop_for_gate(Error error);
+  void send_packets(NodeId to);
+  void stop_for_outbox(Error error);
   void give_credit(NodeId to, std::uint64_t bytes);
   void take(const Credit& credit);
-  void close_gates();
-  void end_gates();
   void take(TileReport& report);
   void take(TileStored& stored);
   void take(const TileRejoined& rejoined);
@@ -115,8 +114,6 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void dispatch();
   void end();
   void tell_progress(bool now);
-  void note(Hosted& tile, Totals totals);
-  std::vector<std::uint64_t> weights_by(const RoutingTable& table) const;
   bool hosts(TileId tile) const { return hosted_.contains(tile); }
   const ShareStage& stage() const { return part_->stages.at(table_->stage); }
   // The tiles of the present stage that an earlier process has stored.
@@ -126,12 +123,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   }
   const std::vector<std::uint64_t>& weights() const { return *part_->weights; }
   bool opened() const { return state_ != State::waiting; }
-  bool idle() const { return opened() && rejoining_ == 0 && !failure_ && schedule_.idle(); }
-
-  // Bytes that another node has sent, and for which it has no credit yet. `held_back` is how many may be owed.
-  struct Owed {
-    std::uint64_t bytes = 0, held_back = 0;
-  };
+  bool idle() const { return opened() && table_.is_taken() && !failure_ && schedule_.idle(); }
 
   NodeId self_;
   std::shared_ptr<const Share> part_;
@@ -140,33 +132,23 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   Term term_;  // the coordinator's
   Schedule schedule_;
   std::map<TileId, Hosted> hosted_;
-  std::uint32_t leaving_ = 0;        // tiles that were given up and are still there
-  std::vector<TileId> given_up_;     // tiles given up of which the coordinator was not told
-  std::uint32_t releases_ = 0;       // number of Release messages to be answered
+  FollowedTable table_;
+  TileReleases releases_;
   std::optional<FindShare> finder_;  // the request that waits for its ShareFound
   std::vector<TileDone> stored_;     // a coordinator that takes over must hear these again
-  std::shared_ptr<const RoutingTable> table_;
-  bool gate_failed_ = false;                            // the scratch of an outbox could not be used
-  std::vector<Delivery> early_;                         // updates of epochs whose table is still to come
-  std::uint64_t early_bytes_ = 0;                       // of early_, as Outbox counts them
-  std::uint32_t rejoining_ = 0;                         // tiles that do not go by the table yet
-  std::shared_ptr<const IncarnationChanges> rebirths_;  // since the oldest table by which a tile goes
-  Totals totals_;                                       // sums over tiles
-  std::map<NodeId, Outbox> outboxes_;
-  std::map<NodeId, Owed> owed_;
-  ShareEnded sum_;
-  Prepared<ShareEnded> last_word_;
-  ShareProgress progress_;  // of the present stage
-  NodeWork before_;         // work done in earlier stages
-  std::chrono::milliseconds progress_interval_;
+  EarlyMail early_;
+  Outboxes outboxes_;
+  OwedCredit owed_;
+  ShareAccount account_;
   std::size_t nodes_ = 1;
-  std::chrono::steady_clock::time_point progress_told_{};
   std::shared_ptr<NodeMeter> meter_;
+  Prepared<ShareEnded> last_message_;
   std::optional<Failure> failure_;
-  // Waiting for BeginShare; at work; its last message is said.
+  // Waiting for BeginShare; at work; its last message is made.
   enum class State : std::uint8_t { waiting, open, ended };
   State state_ = State::waiting;
-  bool silent_ = false;  // the share ends without a last message
+  bool outbox_failed_ = false;  // the scratch of an outbox could not be used
+  bool silent_ = false;         // the share ends without a last message
   // What was said since the last table or coordinator; and since the last tally, that it is idle.
   ToldOnce said_;
 };
