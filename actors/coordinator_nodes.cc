@@ -39,9 +39,9 @@ void Coordinator::found(ShareFound& message) {
   const auto node = caf::actor_cast<NodeHandle>(message.node);
   const auto question = question_to([&](const NodeHandle& asked) { return asked == node; });
   if (!question || !inquiry_.is_open(*question)) return;
-  asked_[*question].share = caf::actor_cast<ShareHandle>(message.part);
+  asked_[*question].share = caf::actor_cast<ShareHandle>(message.share);
   inquiry_.take(*question,
-                {message.part != nullptr, message.self, message.begun, std::move(message.table),
+                {message.share != nullptr, message.self, message.begun, std::move(message.table),
                  std::move(message.released), message.threads, message.memory_bytes, std::move(message.name)});
   if (!inquiry_.waits()) take_over();
 }
@@ -183,7 +183,7 @@ void Coordinator::opened(const ShareOpened& message) {
   node.threads = message.threads;
   node.memory_bytes = message.memory_bytes;
   node.name = message.name;
-  p.share = caf::actor_cast<ShareHandle>(message.part);
+  p.share = caf::actor_cast<ShareHandle>(message.share);
   if (course_.is(At::finishing)) node.standing = Standing::left;  // the share is not needed any more
   if (node.gone() || course_.is(At::ending)) {
     p.abort.say(p.share);

@@ -14,31 +14,31 @@ constexpr std::uint32_t nodes_max = 1 << 16;
 
 }  // namespace
 
-ShareActor::ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> part,
+ShareActor::ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> share,
                        CoordinatorHandle coordinator, Term term, Hooks hooks,
                        std::chrono::milliseconds progress_interval, std::shared_ptr<NodeMeter> meter)
     : SteadyActor(config),
       self_(self),
-      part_(std::move(part)),
-      office_(std::make_shared<ActorDirectory>()),
+      share_(std::move(share)),
+      directory_(std::make_shared<ActorDirectory>()),
       coordinator_(std::move(coordinator)),
       term_(term),
-      schedule_(part_->stages.at(part_->table->stage).schedule, weights_on(self, *part_->table, *part_->weights)),
-      table_(part_->table),
-      outboxes_(part_->outboxes, part_->scratch),
-      account_(self, progress_interval, part_->stored.size(), std::chrono::steady_clock::now()),
+      schedule_(share_->stages.at(share_->table->stage).schedule, weights_on(self, *share_->table, *share_->weights)),
+      table_(share_->table),
+      outboxes_(share_->outboxes, share_->scratch),
+      account_(self, progress_interval, share_->stored.size(), std::chrono::steady_clock::now()),
       meter_(std::move(meter)) {
-  office_->self = self;
-  office_->options = std::move(options);
-  office_->hooks = std::move(hooks);
-  live_at(office_->hooks.home);
-  for (const TileReceipt& stored : part_->stored) schedule_.set_stored(stored.tile);
+  directory_->self = self;
+  directory_->options = std::move(options);
+  directory_->hooks = std::move(hooks);
+  live_at(directory_->hooks.home);
+  for (const TileReceipt& stored : share_->stored) schedule_.set_stored(stored.tile);
 }
 
 // Share, tiles and directory refer to each other, and each lets go of the directory as it ends. The directory itself is
 // not changed, because a tile may be reading it at this moment.
 void ShareActor::on_exit() {
-  if (!office_) return;
+  if (!directory_) return;
   meter_->end(id());
   stop_work();
   for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
@@ -46,8 +46,8 @@ void ShareActor::on_exit() {
   if (state_ != State::ended && !sum.failure) sum.failure = ended_unexpectedly();
   last_message_.message() = std::move(sum);
   if (!silent_) last_message_.say(coordinator_);
-  office_ = nullptr;
-  part_ = nullptr;
+  directory_ = nullptr;
+  share_ = nullptr;
   coordinator_ = nullptr;
 }
 
@@ -99,7 +99,7 @@ ShareActor::behavior_type ShareActor::make_behavior() {
         if (!obeyed()) return;
         const Totals& totals = account_.totals();
         const ShareTally tally{self_, table_->epoch, probe.wave, idle(), totals.sent, totals.processed};
-        office_->hooks.tell([&] {
+        directory_->hooks.tell([&] {
           return name_of(self_) + ": wave " + to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") + ", sent " +
                  std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
         });
@@ -166,7 +166,7 @@ ShareActor::behavior_type ShareActor::make_behavior() {
 
 void ShareActor::take(TileReport& report) {
   const WorkSpan& span = report.span;
-  office_->hooks.tell([&] {
+  directory_->hooks.tell([&] {
     return name_of(self_) + ": tile " + std::to_string(span.tile.value) + " has done " + tessera::name_of(span.work) +
            ": sent " + std::to_string(report.sent) + ", processed " + std::to_string(report.processed) +
            ", updates waiting " + std::to_string(report.waiting.updates);
@@ -209,7 +209,7 @@ void ShareActor::post(Update update) {
   const NodeId to = table_->node_of(update.to.tile);
   if (to == self_) return deliver(self_, std::move(update));
   // That node is lost. A table to come says where the tile is.
-  if (!office_->routes()->part_of(to)) return;
+  if (!directory_->routes()->share_of(to)) return;
   if (Status added = outboxes_.add(to, std::move(update)); !added) {
     stop_for_outbox(std::move(added).error());
     return dispatch();
@@ -218,7 +218,7 @@ void ShareActor::post(Update update) {
 }
 
 void ShareActor::send_packets(NodeId to) {
-  const ShareHandle there = office_->routes()->part_of(to);
+  const ShareHandle there = directory_->routes()->share_of(to);
   while (true) {
     auto updates = outboxes_.next(to);
     if (!updates) {
@@ -227,8 +227,8 @@ void ShareActor::send_packets(NodeId to) {
     }
     if (updates.value().empty()) return;
     Packet packet{self_, outboxes_.window_bytes(), std::move(updates).value()};
-    if (office_->hooks.network) {
-      send(office_->hooks.network, caf::actor_cast<caf::actor>(there), std::move(packet));
+    if (directory_->hooks.network) {
+      send(directory_->hooks.network, caf::actor_cast<caf::actor>(there), std::move(packet));
     } else {
       send(there, std::move(packet));
     }
@@ -259,7 +259,7 @@ void ShareActor::deliver_early() {
 // Whatever another node sends, it never ends this process: an update for a tile that does not exist ends the job.
 void ShareActor::deliver(NodeId from, Update update) {
   if (failure_) return;  // mail of a job that is over
-  const auto routes = office_->routes();
+  const auto routes = directory_->routes();
   if (!routes || update.epoch > table_->epoch) return keep_early(from, std::move(update));
   const TileId to = update.to.tile;
   const std::size_t tiles = weights().size();
@@ -278,7 +278,7 @@ void ShareActor::deliver(NodeId from, Update update) {
 
 void ShareActor::give_credit(NodeId to, std::uint64_t bytes) {
   if (to == self_ || failure_ || !owed_.add(to, bytes)) return;
-  if (const ShareHandle there = office_->routes()->part_of(to)) send(there, Credit{self_, owed_.give(to)});
+  if (const ShareHandle there = directory_->routes()->share_of(to)) send(there, Credit{self_, owed_.give(to)});
 }
 
 void ShareActor::take(const Credit& credit) {
@@ -288,7 +288,7 @@ void ShareActor::take(const Credit& credit) {
 void ShareActor::stop(Failure failure) {
   if (failure_) return;
   // Settled tiles need no image: what makes them independent is on scratch.
-  const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && office_->options.resumable &&
+  const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && directory_->options.resumable &&
                       schedule_.phase() < Schedule::Phase::collecting && coordinator_;
   failure_ = std::move(failure);
   stop_work();
@@ -300,7 +300,7 @@ void ShareActor::stop(Failure failure) {
 // Work under way is of no use any more. Images that are being written are, and their writing does not look at the
 // token.
 void ShareActor::stop_work() noexcept {
-  std::stop_source stopping = part_->stopping;
+  std::stop_source stopping = share_->stopping;
   stopping.request_stop();
 }
 
@@ -372,7 +372,8 @@ void ShareActor::tell_progress(bool now) {
   meter_->tell(id(), account_.work(stored_before().size(), outboxes_.waiting_bytes()));
   if (!coordinator_) return;  // spans are kept for the next coordinator
   // The coordinator adds up the counts of all nodes ten times a second. With several nodes each tells fewer.
-  if (part_->mail) account_.set_mail(part_->mail->take(stage().context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max));
+  if (share_->mail)
+    account_.set_mail(share_->mail->take(stage().context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max));
   tell(progress);
   account_.forget_spans();
 }

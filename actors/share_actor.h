@@ -61,7 +61,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
  public:
   // `progress_interval` is the shortest time between two progress messages to the coordinator and the meter. It grows
   // with the number of nodes when they are many.
-  ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> part,
+  ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> share,
              CoordinatorHandle coordinator, Term term, Hooks hooks, std::chrono::milliseconds progress_interval,
              std::shared_ptr<NodeMeter> meter);
   behavior_type make_behavior() override;
@@ -78,9 +78,9 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void failed(const std::exception_ptr& exception) noexcept override;
   void open(const BeginShare& begin);
   void change_table(ChangeTable& change);
-  bool is_of_job(const RoutingTable& table, const std::vector<caf::actor>& parts) const;
+  bool is_of_job(const RoutingTable& table, const std::vector<caf::actor>& shares) const;
   Failure not_of_job() const;
-  void go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& parts);
+  void go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& shares);
   void release(const Release& wanted);
   void begin_stage(const RoutingTable& table);
   void enter_collecting();
@@ -115,19 +115,19 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void end();
   void tell_progress(bool now);
   bool hosts(TileId tile) const { return hosted_.contains(tile); }
-  const ShareStage& stage() const { return part_->stages.at(table_->stage); }
+  const ShareStage& stage() const { return share_->stages.at(table_->stage); }
   // The tiles of the present stage that an earlier process has stored.
   std::span<const TileReceipt> stored_before() const {
-    if (table_->stage != part_->table->stage) return {};
-    return part_->stored;
+    if (table_->stage != share_->table->stage) return {};
+    return share_->stored;
   }
-  const std::vector<std::uint64_t>& weights() const { return *part_->weights; }
+  const std::vector<std::uint64_t>& weights() const { return *share_->weights; }
   bool opened() const { return state_ != State::waiting; }
   bool idle() const { return opened() && table_.is_taken() && !failure_ && schedule_.idle(); }
 
   NodeId self_;
-  std::shared_ptr<const Share> part_;
-  std::shared_ptr<ActorDirectory> office_;
+  std::shared_ptr<const Share> share_;
+  std::shared_ptr<ActorDirectory> directory_;
   CoordinatorHandle coordinator_;
   Term term_;  // the coordinator's
   Schedule schedule_;

@@ -11,14 +11,14 @@ namespace tessera {
 // Goes by the table in BeginShare and not by the one with which the share was opened, because between the two nodes may
 // be lost and another coordinator may take over. Mostly the tables are equal, and then memory holds one copy.
 void ShareActor::open(const BeginShare& begin) {
-  if (!begin.table.nodes.empty() && !is_of_job(begin.table, begin.parts)) return stop(not_of_job());
-  office_->part = caf::actor_cast<ShareHandle>(this);
+  if (!begin.table.nodes.empty() && !is_of_job(begin.table, begin.shares)) return stop(not_of_job());
+  directory_->share = caf::actor_cast<ShareHandle>(this);
   if (!begin.table.nodes.empty() && begin.table != *table_)
     table_.set(std::make_shared<const RoutingTable>(begin.table));
   schedule_ = Schedule(stage().schedule, weights_on(self_, *table_, weights()));
   for (const TileReceipt& stored : stored_before()) schedule_.set_stored(stored.tile);
   account_.begin(stored_before().size());
-  go_by(table_.shared(), begin.parts);
+  go_by(table_.shared(), begin.shares);
   state_ = State::open;
   if (begin.settled) enter_collecting();
   deliver_early();
@@ -26,18 +26,18 @@ void ShareActor::open(const BeginShare& begin) {
 
 // Nothing of the stage before is under way, because all its tiles have come to their end.
 void ShareActor::begin_stage(const RoutingTable& table) {
-  office_->hooks.tell([&] { return name_of(self_) + ": stage " + std::to_string(table.stage); });
+  directory_->hooks.tell([&] { return name_of(self_) + ": stage " + std::to_string(table.stage); });
   for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
   hosted_.clear();
   account_.begin_next_stage(stored_before().size(), schedule_.sleeps());
-  schedule_ = Schedule(part_->stages.at(table.stage).schedule, {});
+  schedule_ = Schedule(share_->stages.at(table.stage).schedule, {});
   stored_.clear();
   table_.forget_changes();
   said_.forget(ShareEvent::begun);
 }
 
-bool ShareActor::is_of_job(const RoutingTable& table, const std::vector<caf::actor>& parts) const {
-  return is_table_of_job(table, weights().size(), part_->stages.size(), parts.size());
+bool ShareActor::is_of_job(const RoutingTable& table, const std::vector<caf::actor>& shares) const {
+  return is_table_of_job(table, weights().size(), share_->stages.size(), shares.size());
 }
 
 Failure ShareActor::not_of_job() const {
@@ -46,29 +46,29 @@ Failure ShareActor::not_of_job() const {
 
 // Tiles that are new on this node by the table are added. Tiles that are not on it any more were fresh, and have been
 // released.
-void ShareActor::go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& parts) {
+void ShareActor::go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& shares) {
   auto routes = std::make_shared<Routes>();
-  nodes_ = parts.size();
+  nodes_ = shares.size();
   routes->table = table;
   routes->rebirths = table_.changes();
-  for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<ShareHandle>(part));
+  for (const caf::actor& share : shares) routes->shares.push_back(caf::actor_cast<ShareHandle>(share));
   for (std::uint32_t t = 0; t < weights().size(); ++t) {
     if (weights()[t] == 0 || table->node_of(TileId{t}) != self_ || hosts(TileId{t})) continue;
     Hosted& hosted = hosted_[TileId{t}];  // first: a tile that exists must be in hosted_, to be told to leave
     hosted.handle =
-        spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const ActorDirectory>(office_), table);
+        spawn<TileActor>(table->peer_of(TileId{t}), share_, std::shared_ptr<const ActorDirectory>(directory_), table);
     if (opened()) schedule_.add(TileId{t}, weights()[t]);
   }
   routes->tiles.reserve(hosted_.size());
   for (const auto& [tile, hosted] : hosted_) routes->tiles.emplace_back(tile, hosted.handle);
-  office_->set_routes(std::move(routes));
+  directory_->set_routes(std::move(routes));
   table_.set(std::move(table));
 }
 
 void ShareActor::change_table(ChangeTable& change) {
   if (failure_ || !opened() || change.table.epoch <= table_->epoch) return;
-  office_->hooks.tell([&] { return name_of(self_) + ": epoch " + to_string(change.table.epoch); });
-  if (!is_of_job(change.table, change.parts)) return stop(not_of_job());
+  directory_->hooks.tell([&] { return name_of(self_) + ": epoch " + to_string(change.table.epoch); });
+  if (!is_of_job(change.table, change.shares)) return stop(not_of_job());
   if (change.table.stage != table_->stage) {
     // The next stage begins when all tiles of all shares have come to the end of the stage before.
     const bool next = change.table.stage > table_->stage && schedule_.phase() == Schedule::Phase::collecting &&
@@ -81,14 +81,14 @@ void ShareActor::change_table(ChangeTable& change) {
   } else if (schedule_.phase() == Schedule::Phase::settling) {
     schedule_.enter(Schedule::Phase::exchanging);
   }
-  for (const ShareEvent word : {ShareEvent::idle, ShareEvent::settled, ShareEvent::collected}) said_.forget(word);
+  for (const ShareEvent event : {ShareEvent::idle, ShareEvent::settled, ShareEvent::collected}) said_.forget(event);
   const bool rejoins = schedule_.phase() == Schedule::Phase::exchanging;
   if (rejoins) table_.add_changes(change.table);
   std::vector<TileHandle> before;
   for (const auto& [tile, hosted] : hosted_) before.push_back(hosted.handle);
-  go_by(std::make_shared<const RoutingTable>(std::move(change.table)), change.parts);
-  const auto routes = office_->routes();
-  outboxes_.clear_unless([&](NodeId node) { return routes->part_of(node) != nullptr; });
+  go_by(std::make_shared<const RoutingTable>(std::move(change.table)), change.shares);
+  const auto routes = directory_->routes();
+  outboxes_.clear_unless([&](NodeId node) { return routes->share_of(node) != nullptr; });
   if (rejoins) {
     table_.wait_for(static_cast<std::uint32_t>(before.size()));
     for (const TileHandle& tile : before) send(tile, Rejoin{});
@@ -133,7 +133,7 @@ void ShareActor::take(const TileLeft&) {
 // exchanges again, but there is no new table before some node takes the tiles of the lost one.
 void ShareActor::hand_over() {
   if (failure_ || !opened() || schedule_.phase() > Schedule::Phase::settling) return;
-  office_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
+  directory_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
   schedule_.enter(Schedule::Phase::handing);
 }
 
@@ -146,12 +146,12 @@ void ShareActor::answer_if_left() {
   ShareFound answer;
   answer.term = term_;
   answer.node = finder_->node;
-  answer.part = caf::actor_cast<caf::actor>(this);
+  answer.share = caf::actor_cast<caf::actor>(this);
   answer.self = self_;
   answer.begun = opened();
   answer.table = *table_;
   answer.threads = stage().schedule.threads;
-  answer.memory_bytes = office_->options.memory_bytes;
+  answer.memory_bytes = directory_->options.memory_bytes;
   answer.name = finder_->name;
   for (std::uint32_t t = 0; opened() && t < weights().size(); ++t) {
     if (table_->node_of(TileId{t}) == self_ && weights()[t] > 0 && !hosts(TileId{t})) {
@@ -185,8 +185,8 @@ void ShareActor::obey(const FindShare& found) {
 void ShareActor::lost_coordinator(const caf::down_msg& down) {
   if (!coordinator_ || down.source != coordinator_.address()) return;
   coordinator_ = nullptr;
-  if (office_->options.grace_s == 0 || failure_) return stop(lost("the coordinator", down.reason));
-  delayed_send(this, std::chrono::seconds(office_->options.grace_s), GraceOver{term_});
+  if (directory_->options.grace_s == 0 || failure_) return stop(lost("the coordinator", down.reason));
+  delayed_send(this, std::chrono::seconds(directory_->options.grace_s), GraceOver{term_});
 }
 
 }  // namespace tessera

@@ -64,10 +64,10 @@ std::string peer_of(const SSL* ssl) {
 }
 
 std::string date_of(const ASN1_TIME* time) {
-  std::tm parts{};
-  if (ASN1_TIME_to_tm(time, &parts) != 1) return "a date that cannot be read";
+  std::tm date{};
+  if (ASN1_TIME_to_tm(time, &date) != 1) return "a date that cannot be read";
   std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%F %H:%M UTC", &parts);
+  std::strftime(text.data(), text.size(), "%F %H:%M UTC", &date);
   return text.data();
 }
 

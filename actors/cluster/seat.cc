@@ -108,8 +108,8 @@ std::vector<NodeHandle> Seat::nodes(bool all, const std::stop_token& stop) const
     std::vector<NodeHandle> nodes;
     const MemberList now = list();
     for (std::size_t i = 0; i < now.members.size(); ++i) {
-      const bool may_have_parts = all && now.members[i].leaves;
-      if (now.members[i].free || may_have_parts) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
+      const bool may_have_shares = all && now.members[i].leaves;
+      if (now.members[i].free || may_have_shares) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
     }
     if (!nodes.empty() && !(all && gathering())) return nodes;
     stopped.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
