@@ -237,8 +237,7 @@ void Coordinator::ended(ShareEnded& message) {
     if (!message.of_node || !course_.works() || hosts().empty()) return fail(std::move(message.failure));
     node.standing = Standing::lost;
     account_.node_lost();
-    return missing(message.node, message.failure,
-                   "cannot go on with its scratch folder (" + message.failure.text + ")");
+    return missing(message.node, message.failure, "cannot use its scratch folder (" + message.failure.text + ")");
   }
   const bool handed = placements_.hands_over(message.node) && course_.is(At::exchanging);
   if (handed || (node.dismissed && course_.is(At::collecting))) return left(message);

@@ -191,7 +191,7 @@ void Coordinator::opened(const ShareOpened& message) {
   }
   monitor(p.share);
   if (course_.is(At::opening)) return begin_if_opened();
-  if (!node.name.empty()) owner_.said("node " + node.name + " has come, and takes part");
+  if (!node.name.empty()) owner_.said("node " + node.name + " now works on the job");
   welcome(message.node);
 }
 
@@ -201,7 +201,7 @@ void Coordinator::not_opened(const ShareOpened& message) {
   if (course_.ends()) return finish_if_over();
   if (roster_.all_refused() && !wait_.has_waited()) return fail(message.failure);
   owner_.said((message.name.empty() ? "a node" : "node " + message.name) +
-              " cannot take part: " + message.failure.text);
+              " cannot work on the job: " + message.failure.text);
   if (nobody()) return wait_for_a_node(message.failure);
   if (course_.is(At::opening)) begin_if_opened();
 }
@@ -300,9 +300,9 @@ void Coordinator::left(const ShareEnded& message) {
   node.standing = Standing::left;
   if (placements_.end_handing(message.node)) account_.tiles_begin_again(message.not_handed);
   if (!node.name.empty()) {
-    owner_.said("node " + node.name + " leaves: others go on with " + std::to_string(message.handed) +
+    owner_.said("node " + node.name + " leaves: other nodes continue " + std::to_string(message.handed) +
                 " tiles that it had begun" +
-                (message.not_handed == 0 ? "" : "; " + std::to_string(message.not_handed) + " begin again"));
+                (message.not_handed == 0 ? "" : "; " + std::to_string(message.not_handed) + " tiles begin again"));
   }
   detector_.restart(nodes());
   if (nobody()) return wait_for_a_node(failure_of(error(Errc::internal, "the last node has left")));
@@ -319,7 +319,7 @@ void Coordinator::lost_actor(const caf::down_msg& down) {
     const bool share = p.share && down.source == p.share.address();
     if ((!node && !share) || roster_[NodeId{n}].over()) continue;
     if (node && roster_[NodeId{n}].there()) continue;  // its share lives on, or will be missed by itself
-    return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason), gone(down));
+    return lose(NodeId{n}, lost(node ? "a node" : "a node's share of the job", down.reason), gone(down));
   }
 }
 
@@ -368,7 +368,7 @@ void Coordinator::lose_tiles(NodeId node, const std::string& why) {
   const std::size_t tiles = placements_.lose(node);
   if (const std::string& name = roster_[node].name; !name.empty()) {
     owner_.said("node " + name + " is lost" + (why.empty() ? "" : ": it " + why) + "; " + std::to_string(tiles) +
-                " tiles begin again on others");
+                " tiles begin again on other nodes");
   }
   // Nothing that the node has said, or still says, counts, even while there is no other node that takes the tiles.
   detector_.restart(nodes());
@@ -402,7 +402,7 @@ bool Coordinator::nobody() const { return course_.is(At::finding) ? inquiry_.nob
 void Coordinator::wait_for_a_node(Failure failure, const std::string& because) {
   const std::uint32_t patience_s = options_.spec.grace_s;
   if (patience_s == 0) return fail(std::move(failure));
-  owner_.said(because + ": the job waits " + std::to_string(patience_s) + " s for another one");
+  owner_.said(because + ": the job waits " + std::to_string(patience_s) + " s for another node");
   const std::uint64_t wait = wait_.begin(error_of(std::move(failure)));
   delayed_send(this, std::chrono::seconds(patience_s), NobodyCame{wait});
 }

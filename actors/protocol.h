@@ -261,7 +261,7 @@ struct Cancel {};
 // registry -> coordinator: the node is lost, and never comes back; or it is there, and free for work.
 struct NodeLost {
   caf::actor node;
-  std::string why = {};  // "has not been heard of for 10 s"
+  std::string why = {};  // "has been silent for longer than its lease"
 };
 struct NodeJoined {
   caf::actor node;

@@ -158,7 +158,7 @@ ShareActor::behavior_type ShareActor::make_behavior() {
       },
       [this](const GraceOver& over) {
         if (coordinator_ || over.term != term_) return;
-        stop(failure_of(error(Errc::interrupted, "no coordinator has taken over")));
+        stop(failure_of(error(Errc::interrupted, "no other coordinator has taken over the job in time")));
         dispatch();
       },
   };
@@ -237,8 +237,9 @@ void ShareActor::send_packets(NodeId to) {
 
 void ShareActor::deliver(Packet& packet) {
   if (packet.from.value >= nodes_max) {  // something is kept for each node
-    stop(failure_of(error(Errc::internal, name_of(self_) + " got mail of node " + std::to_string(packet.from.value) +
-                                              ", which no job has")));
+    stop(failure_of(error(Errc::internal, name_of(self_) + " received mail from node " +
+                                              std::to_string(packet.from.value) +
+                                              ", but no job has a node of this number")));
     return dispatch();
   }
   if (packet.from != self_) owed_.note_window(packet.from, packet.window_bytes);
@@ -247,8 +248,10 @@ void ShareActor::deliver(Packet& packet) {
 
 void ShareActor::keep_early(NodeId from, Update update) {
   if (early_.keep(from, std::move(update), nodes_)) return;
-  stop(failure_of(error(Errc::internal, name_of(self_) + " got " + std::to_string(early_.bytes()) +
-                                            " bytes of mail by tables that did not come, more than nodes send")));
+  stop(
+      failure_of(error(Errc::internal, name_of(self_) + " received " + std::to_string(early_.bytes()) +
+                                           " bytes of mail for routing tables that it does not have yet, which is more "
+                                           "than other nodes may send")));
   dispatch();
 }
 
@@ -269,8 +272,8 @@ void ShareActor::deliver(NodeId from, Update update) {
   const bool gone = sound && (!table_->alive(update.to) || (handle && !hosts(to)));
   if (gone) return give_credit(from, Outbox::bytes_of(update));
   if (!sound || !handle) {
-    stop(failure_of(error(Errc::internal, name_of(self_) + " got mail for tile " + std::to_string(to.value) +
-                                              ", which it does not have")));
+    stop(failure_of(error(Errc::internal, name_of(self_) + " received mail for tile " + std::to_string(to.value) +
+                                              ", which is not on this node")));
     return dispatch();
   }
   send(handle, Delivery{from, std::move(update)});

@@ -41,7 +41,7 @@ bool ShareActor::is_of_job(const RoutingTable& table, const std::vector<caf::act
 }
 
 Failure ShareActor::not_of_job() const {
-  return failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job"));
+  return failure_of(error(Errc::internal, name_of(self_) + " received a routing table that does not fit its job"));
 }
 
 // Tiles that are new on this node by the table are added. Tiles that are not on it any more were fresh, and have been

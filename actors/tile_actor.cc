@@ -133,7 +133,7 @@ void TileActor::work(Work work) {
   } catch (...) {
     // Caught here, because an actor that ends by an exception says little, and its permit would never come back.
     report.failure =
-        failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
+        failure_of(std::current_exception(), [&] { return name_of(self_.tile) + " (work: " + name_of(work) + ")"; });
   }
   share_->heap_trim.worked_on(std::max(before, life_.memory()) + (finished_ ? finished_->bytes() : 0));
   report.span.end_us = since_opened();

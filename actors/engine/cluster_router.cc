@@ -101,7 +101,7 @@ Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, cons
     const std::stop_callback when_stopped(stop, [&] { cancel_by_user.say(router); });
     while (const auto here = queue.next()) {
       if (!here->why.empty())
-        seat_.options().log("a node cannot route a part of the input, which is routed here: " + here->why);
+        seat_.options().log("a node cannot route an input split, so this process routes it: " + here->why);
       SplitRouted routed;
       routed.attempt = here->attempt;
       routed.done = true;

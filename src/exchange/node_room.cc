@@ -39,8 +39,8 @@ std::string NodeRoom::why_none(std::span<const TileId> tiles, const Placements& 
     most = node.memory_bytes;
   }
   const std::string tile = in_words_ ? in_words_(largest) : "one of the tiles";
-  return "no node has the memory for " + tile + ": node " + name + " gives a job most, " + std::to_string(most >> 20) +
-         " MiB";
+  return "no node has enough memory for " + tile + ": the most that a job gets is " + std::to_string(most >> 20) +
+         " MiB, on node " + name;
 }
 
 }  // namespace tessera

@@ -32,7 +32,7 @@ class NodeRoom {
   static bool has_any(const Host& host, const Placements& placements);
   // Returns the tiles for which no host has room.
   static std::vector<TileId> without(std::span<const Host> hosts, const Placements& placements);
-  // Says that no node has the memory for the largest of these tiles, and which of the nodes gives most.
+  // Says that no node has enough memory for the largest of these tiles, and which of the nodes gives a job most.
   std::string why_none(std::span<const TileId> tiles, const Placements& placements, std::span<const Named> nodes) const;
 
  private:

@@ -256,7 +256,7 @@ TEST_F(OneShare, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
   }
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);
-  EXPECT_NE(ended[0].find("bytes of mail by tables that did not come"), std::string::npos) << ended[0];
+  EXPECT_NE(ended[0].find("bytes of mail for routing tables that it does not have yet"), std::string::npos) << ended[0];
 }
 
 TEST_F(OneShare, EndsWhenMailIsOfANodeThatNoJobHas) {
@@ -265,7 +265,8 @@ TEST_F(OneShare, EndsWhenMailIsOfANodeThatNoJobHas) {
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);
-  EXPECT_NE(ended[0].find("got mail of node 65536, which no job has"), std::string::npos) << ended[0];
+  EXPECT_NE(ended[0].find("received mail from node 65536, but no job has a node of this number"), std::string::npos)
+      << ended[0];
 }
 
 TEST_F(OneShare, EndsWhenItsTableIsOfAnotherJob) {
@@ -273,7 +274,7 @@ TEST_F(OneShare, EndsWhenItsTableIsOfAnotherJob) {
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);
-  EXPECT_NE(ended[0].find("got a table that is not of its job"), std::string::npos) << ended[0];
+  EXPECT_NE(ended[0].find("received a routing table that does not fit its job"), std::string::npos) << ended[0];
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ TEST_F(ClusterTest, NothingBeginsAgainWhenNodesAreDrainedOrDepart) {
   Progress progress;
   std::uint64_t handed = 0;
   progress.log = [&](const std::string& line) {
-    const std::string words = "others go on with ";
+    const std::string words = "other nodes continue ";
     if (const auto at = line.find(words); at != std::string::npos) handed += std::stoul(line.substr(at + words.size()));
   };
   std::optional<Result<RunSummary>> summary;
@@ -94,9 +94,9 @@ TEST_F(ClusterTest, LetsANodeDepart) {
   EXPECT_EQ(first->nodes_lost(), 0U);
   first_ = {"127.0.0.1", free_port()};
   const auto lonely = start(expelled("lonely"));
-  wait_for("nobody of the cluster is reached", "127.0.0.1");
+  wait_for("no node of the cluster can be reached", "127.0.0.1");
   lonely->depart();
-  wait_for("lonely ends", "had nothing that others would go on with");
+  wait_for("lonely ends", "had no tiles that other nodes would continue");
 }
 
 }  // namespace
