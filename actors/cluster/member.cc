@@ -59,7 +59,7 @@ Member::behavior_type Member::make_behavior() {
       [this](const Expelled& expelled) { expel(expelled); },
       [this](const AskToLeave&) { leave(); },
       [this](const Leave&) { quit(); },
-      [this](const AskPlace&) { return place(); },
+      [this](const AskStatus&) { return membership_status(); },
       [this](caf::tick_atom) { renew(); },
       [this](caf::connect_atom) { seek(); },
   };
@@ -267,24 +267,24 @@ void Member::leave_unheard() {
     expel({"had no tiles that other nodes would continue", false});
 }
 
-NodePlace Member::place() const {
-  NodePlace place;
-  place.member = state_ == State::member && !expelled_;
-  place.leaves = leaves_;
-  place.others = static_cast<std::uint64_t>(
+NodePlace Member::membership_status() const {
+  NodePlace status;
+  status.member = state_ == State::member && !expelled_;
+  status.leaves = leaves_;
+  status.others = static_cast<std::uint64_t>(
       std::count_if(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second.handle != nullptr; }));
-  place.silent_ms = static_cast<std::uint64_t>(
+  status.silent_ms = static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - answered_).count());
   if (expelled_) {
-    place.trouble = "no member of the cluster any more";
+    status.trouble = "no member of the cluster any more";
   } else if (leaves_) {
-    place.trouble = "leaves the cluster";
+    status.trouble = "leaves the cluster";
   } else if (state_ == State::greeting) {
-    place.trouble = "the cluster's coordinator has not answered yet";
+    status.trouble = "the cluster's coordinator has not answered yet";
   } else if (state_ == State::seeking) {
-    place.trouble = "looks for the cluster's coordinator" + (last_trouble_.empty() ? "" : ": " + last_trouble_);
+    status.trouble = "looks for the cluster's coordinator" + (last_trouble_.empty() ? "" : ": " + last_trouble_);
   }
-  return place;
+  return status;
 }
 
 void Member::expel(const Expelled& expelled) {

@@ -80,14 +80,14 @@ MemberList Seat::list() const {
   return list;
 }
 
-NodePlace Seat::place() const {
+NodePlace Seat::membership_status() const {
   caf::scoped_actor self{*system_, true};
-  NodePlace place;
-  place.trouble = "leaves the cluster";
-  self->request(member_, caf::infinite, AskPlace{})
+  NodePlace status;
+  status.trouble = "leaves the cluster";
+  self->request(member_, caf::infinite, AskStatus{})
       // On an error the member is ending.
-      .receive([&](NodePlace& answer) { place = std::move(answer); }, [](const caf::error&) {});
-  return place;
+      .receive([&](NodePlace& answer) { status = std::move(answer); }, [](const caf::error&) {});
+  return status;
 }
 
 void Seat::depart() const { caf::anon_send(member_, AskToLeave{}); }

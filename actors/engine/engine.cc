@@ -331,7 +331,7 @@ NodeWork Engine::work() const { return impl_->meter->now(); }
 
 std::uint64_t Engine::memory_used() const { return impl_->used->load(); }
 
-NodePlace Engine::place() const { return impl_->seat->place(); }
+NodePlace Engine::membership_status() const { return impl_->seat->membership_status(); }
 
 void Engine::depart() const { impl_->seat->depart(); }
 

@@ -86,10 +86,10 @@ TEST_F(ClusterTest, LetsANodeDepart) {
   const auto only = start(expelled("only"));
   wait_for("node only", "has joined");
   EXPECT_FALSE(first->drain("only"));
-  EXPECT_FALSE(only->place().leaves);
+  EXPECT_FALSE(only->membership_status().leaves);
   only->depart();
   wait_for("only ends", "is drained");
-  EXPECT_TRUE(only->place().leaves);
+  EXPECT_TRUE(only->membership_status().leaves);
   EXPECT_TRUE(first->nodes().empty());
   EXPECT_EQ(first->nodes_lost(), 0U);
   first_ = {"127.0.0.1", free_port()};

@@ -47,7 +47,7 @@ class Health final : public http::NodeHealth {
 
   http::NodeFigures figures() const override {
     const NodeWork work = engine_.work();
-    const NodePlace place = engine_.place();
+    const NodePlace place = engine_.membership_status();
     http::NodeFigures out;
     out.memory_budget_bytes = options_.memory_bytes;
     out.memory_used_bytes = engine_.memory_used();
@@ -69,7 +69,7 @@ class Health final : public http::NodeHealth {
     return out;
   }
   std::optional<std::string> unready() const override {
-    const NodePlace place = engine_.place();
+    const NodePlace place = engine_.membership_status();
     if (place.leaves) return "leaves the cluster";
     if (place.member) return std::nullopt;
     return place.trouble;
