@@ -124,7 +124,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
 }
 
 void Coordinator::begin_if_opened() {
-  if (roster_.all([](const Roster::Node& node) { return node.standing != Standing::asked; })) begin();
+  if (roster_.all_have_answered()) begin();
 }
 
 void Coordinator::begin() {
@@ -279,12 +279,12 @@ void Coordinator::abort_shares() noexcept {
 
 void Coordinator::finish_if_over() noexcept {
   // A share that is not open yet will be, or its node will be missed. Only then is it known that no work goes on there.
-  if (told_ || !course_.ends() || !roster_.all([](const Roster::Node& node) { return node.over(); })) return;
+  if (told_ || !course_.ends() || !roster_.all_are_over()) return;
   told_ = true;
   RunEnded end = account_.end(std::chrono::steady_clock::now(), detector_.wave().value);
   if (failure_) end.failure = std::move(*failure_);
   end.again = again_;
-  for (const Roster::Node& node : roster_.nodes()) end.memory_bytes += node.memory_bytes;
+  end.memory_bytes = roster_.memory_bytes();
   owner_.ended(std::move(end));
   quit();
 }

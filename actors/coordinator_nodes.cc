@@ -73,12 +73,7 @@ void Coordinator::take_over() {
     p.node = asked.node;
     p.share = asked.share;
     p.abort.message().term = options_.term;
-    Roster::Node& node = roster_[answer.self];
-    node.standing = Standing::there;
-    node.threads = answer.threads;
-    node.memory_bytes = answer.memory_bytes;
-    node.name = answer.name;
-    node.begun = answer.begun;
+    roster_.find(answer.self, answer.begun, {answer.threads, answer.memory_bytes, answer.name});
     monitor(p.share);
   }
   go_on();
@@ -178,11 +173,7 @@ void Coordinator::opened(const ShareOpened& message) {
   Roster::Node& node = roster_[message.node];
   if (message.failure) return not_opened(message);
   account_.node_came();
-  if (!node.gone()) node.standing = Standing::there;
-  if (message.settled) node.reached = Reached::settled;
-  node.threads = message.threads;
-  node.memory_bytes = message.memory_bytes;
-  node.name = message.name;
+  roster_.open(message.node, message.settled, {message.threads, message.memory_bytes, message.name});
   p.share = caf::actor_cast<ShareHandle>(message.share);
   if (course_.is(At::finishing)) node.standing = Standing::left;  // the share is not needed any more
   if (node.gone() || course_.is(At::ending)) {
@@ -217,22 +208,14 @@ void Coordinator::welcome(NodeId node) {
   }
   const Host newcomer = room_.host(node, roster_[node].threads, roster_[node].memory_bytes);
   if (!NodeRoom::has_any(newcomer, placements_)) return place_homeless();
-  const std::vector<std::uint64_t> held = placements_.held(participants_.size());
-  const std::vector<Host> there = hosts();
-  for (const Host& host : there) {
-    if (host.node == node) continue;
-    placements_.ask(host.node);
-    send(participants_[host.node.value].share, Release{held[host.node.value] / there.size()});
-  }
+  for (const Placements::Request& request : placements_.ask_for(node, hosts()))
+    send(participants_[request.node.value].share, Release{request.weight});
   place_homeless();
 }
 
 // `back` tells of a new process of a node. Says so in the job's log when the node has had a share of the job.
 void Coordinator::note(const NodeBack& back) {
-  const bool took_part = std::any_of(roster_.nodes().begin(), roster_.nodes().end(), [&](const Roster::Node& node) {
-    return !node.name.empty() && node.name == back.name;
-  });
-  if (took_part) owner_.said("node " + back.name + ": the process before this one " + back.last_words);
+  if (roster_.knows(back.name)) owner_.said("node " + back.name + ": the process before this one " + back.last_words);
 }
 
 void Coordinator::leave(const NodeLeaves& leaves) {

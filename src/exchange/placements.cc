@@ -87,6 +87,19 @@ bool Placements::answer(NodeId node, std::span<const TileId> tiles) {
   return true;
 }
 
+std::vector<Placements::Request> Placements::ask_for(NodeId newcomer, std::span<const Host> hosts) {
+  std::size_t nodes = 0;
+  for (const Host& host : hosts) nodes = std::max<std::size_t>(nodes, host.node.value + 1);
+  const std::vector<std::uint64_t> held = this->held(nodes);
+  std::vector<Request> requests;
+  for (const Host& host : hosts) {
+    if (host.node == newcomer) continue;
+    ask(host.node);
+    requests.push_back({host.node, held[host.node.value] / hosts.size()});
+  }
+  return requests;
+}
+
 bool Placements::end_handing(NodeId node) {
   if (handing_.erase(node) == 0) return false;
   std::vector<bool> moves(options_.weights.size());

@@ -64,6 +64,13 @@ class Placements {
   // was lost meanwhile.
   void ask(NodeId node) { asked_.insert(node); }
   bool answer(NodeId node, std::span<const TileId> tiles);
+  // A newcomer wants work: asks each other host for what it holds, divided by the number of hosts. Returns whom to ask
+  // for how much weight.
+  struct Request {
+    NodeId node;
+    std::uint64_t weight = 0;
+  };
+  std::vector<Request> ask_for(NodeId newcomer, std::span<const Host> hosts);
   // The node is to hand over all tiles that it has begun. Returns false when it already does so.
   bool begin_handing(NodeId node) { return handing_.insert(node).second; }
   // The node has handed over: its tiles go on elsewhere. Returns false when the node was not asked to hand over.

@@ -50,6 +50,37 @@ TEST(Roster, KnowsWhoIsOverAndWhoIsGone) {
   }
 }
 
+TEST(Roster, OpensSharesAndDoesNotBringBackANodeThatIsGone) {
+  Roster roster;
+  const NodeId a = roster.add(), b = roster.add();
+  EXPECT_FALSE(roster.all_have_answered());
+  roster[b].standing = Standing::lost;
+  roster.open(a, true, {4, 100, "a"});
+  roster.open(b, false, {2, 50, "b"});
+  EXPECT_TRUE(roster[a].there());
+  EXPECT_EQ(roster[a].reached, Reached::settled);
+  EXPECT_EQ(roster[a].threads, 4u);
+  EXPECT_EQ(roster[b].standing, Standing::lost);
+  EXPECT_EQ(roster[b].reached, Reached::nothing);
+  EXPECT_TRUE(roster.all_have_answered());
+  EXPECT_EQ(roster.memory_bytes(), 150u);
+  EXPECT_TRUE(roster.knows("b"));
+  EXPECT_FALSE(roster.knows("c"));
+  EXPECT_FALSE(roster.all_are_over());
+  roster[a].standing = Standing::ended;
+  EXPECT_TRUE(roster.all_are_over());
+}
+
+TEST(Roster, HasTheSharesOfAnEarlierCoordinatorThatAreFound) {
+  Roster roster;
+  roster.take_numbers(2);
+  roster.find(NodeId{1}, true, {1, 7, ""});
+  EXPECT_TRUE(roster.has(NodeId{1}));
+  EXPECT_FALSE(roster.has(NodeId{0}));
+  EXPECT_TRUE(roster.any_has_begun());
+  EXPECT_FALSE(roster.knows("")) << "nodes without a name are not known by it";
+}
+
 TEST(Roster, LeavesNumbersToThoseThatAreNotFound) {
   Roster roster;
   roster.take_numbers(2);
