@@ -73,16 +73,16 @@ RunProgress Account::progress(const std::vector<Node>& nodes) {
   return progress;
 }
 
-void Account::ended(const ShareEnded& part) {
-  sum_.items += part.items;
-  sum_.updates += part.updates;
-  sum_.hops = std::max(sum_.hops, part.hops);
-  sum_.most_received = std::max(sum_.most_received, part.most_received);
-  sum_.sleeps += part.sleeps;
-  sum_.outboxes += part.outboxes;
-  sum_.begin_us += part.begin_us;
-  sum_.exchange_us += part.exchange_us;
-  sum_.collect_us += part.collect_us;
+void Account::ended(const ShareEnded& share) {
+  sum_.items += share.items;
+  sum_.updates += share.updates;
+  sum_.hops = std::max(sum_.hops, share.hops);
+  sum_.most_received = std::max(sum_.most_received, share.most_received);
+  sum_.sleeps += share.sleeps;
+  sum_.outboxes += share.outboxes;
+  sum_.begin_us += share.begin_us;
+  sum_.exchange_us += share.exchange_us;
+  sum_.collect_us += share.collect_us;
 }
 
 RunEnded Account::end(Time now, std::uint64_t waves) {

@@ -49,7 +49,7 @@ class Account {
   RunProgress progress(const std::vector<Node>& nodes);
 
   // Adds what a share says at its end.
-  void ended(const ShareEnded& part);
+  void ended(const ShareEnded& share);
   // Returns the sums, without `failure` and `memory_bytes`. Called once. Allocates nothing, because memory may be
   // short.
   RunEnded end(Time now, std::uint64_t waves);

@@ -36,7 +36,7 @@ struct Routes {
   // Changes up to this table, since the oldest table that a tile here may go by.
   std::shared_ptr<const IncarnationChanges> rebirths;
   std::vector<std::pair<TileId, TileHandle>> tiles;  // those on this node, ascending
-  std::vector<ShareHandle> parts;                    // shares, by node; null where there is none
+  std::vector<ShareHandle> shares;                   // shares, by node; null where there is none
 
   // Returns null when the tile is not on this node.
   TileHandle tile(TileId id) const {
@@ -46,7 +46,7 @@ struct Routes {
   }
 
   // Returns null when the node has no share, or is not numbered in this epoch, as a node of an earlier one may be.
-  ShareHandle part_of(NodeId node) const { return node.value < parts.size() ? parts[node.value] : ShareHandle(); }
+  ShareHandle share_of(NodeId node) const { return node.value < shares.size() ? shares[node.value] : ShareHandle(); }
 };
 
 class ActorDirectory {
@@ -54,7 +54,7 @@ class ActorDirectory {
   NodeId self;
   ShareOptions options;
   Hooks hooks;
-  ShareHandle part;  // the share, to which the tiles report
+  ShareHandle share;  // the share, to which the tiles report
   std::chrono::steady_clock::time_point opened = std::chrono::steady_clock::now();
 
   std::shared_ptr<const Routes> routes() const {
@@ -73,11 +73,11 @@ class ActorDirectory {
     const auto known = routes();
     const TileHandle to = known->tile(update.to.tile);
     if (!to) {
-      sender->send(part, Outgoing{std::move(update)});
+      sender->send(share, Outgoing{std::move(update)});
     } else if (hooks.network) {
       Packet packet{self, 0, {}};
       packet.updates.push_back(std::move(update));
-      sender->send(hooks.network, caf::actor_cast<caf::actor>(part), std::move(packet));
+      sender->send(hooks.network, caf::actor_cast<caf::actor>(share), std::move(packet));
     } else {
       sender->send(to, Delivery{self, std::move(update)});
     }

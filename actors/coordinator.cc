@@ -1,7 +1,5 @@
 #include "actors/coordinator.h"
 
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "actors/failing.h"
@@ -15,32 +13,36 @@ Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, 
       owner_(owner),
       placements_({options_.weights, options_.order, options_.term}, options_.spec.table),
       course_(options_.take_over ? At::finding : At::opening),
-      detector_({}) {
+      detector_({}),
+      room_(options_.weight_max, options_.tile_in_words) {
   live_at(options_.home);
-  if (options_.take_over) {
-    asked_ = std::move(nodes);
-  } else {
-    for (const NodeHandle& node : nodes) add(node);
+  for (const NodeHandle& node : nodes) {
+    if (options_.take_over) {
+      ask(node);
+    } else {
+      add(node);
+    }
   }
 }
 
 // Asks all nodes, or none when an exception comes before: a share that is opened must be told how it ends.
 void Coordinator::initialize() {
   SteadyActor::initialize();
-  for (Participant& p : parts_) p.open.say(p.node);
-  for (const NodeHandle& node : asked_) find(node);
+  for (Participant& p : participants_) p.open.say(p.node);
+  for (const Asked& asked : asked_) find(asked.node);
 }
 
 // Coordinator and shares refer to each other. An actor that has ended must not keep the others alive.
 void Coordinator::on_exit() {
   if (!std::exchange(told_, true)) {
-    abort_parts();
+    abort_shares();
     RunEnded end;
     end.failure = failure_ ? std::move(*failure_) : ended_unexpectedly();
     owner_.ended(std::move(end));
   }
-  for (const Participant& p : parts_) demonitor(p.node.address());
-  parts_.clear();
+  for (const Participant& p : participants_) demonitor(p.node.address());
+  participants_.clear();
+  asked_.clear();
 }
 
 void Coordinator::failed(const std::exception_ptr& exception) noexcept {
@@ -63,7 +65,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
     attempt([&] { fail(lost("a message of the coordinator", reason)); });
   });
   const SharedBytes spec = spec_bytes();
-  for (std::size_t n = 0; n < parts_.size(); ++n) prepare(NodeId{static_cast<std::uint32_t>(n)}, spec);
+  for (std::size_t n = 0; n < participants_.size(); ++n) prepare(NodeId{static_cast<std::uint32_t>(n)}, spec);
   return {
       [this](const ShareOpened& message) { attempt([&] { opened(message); }); },
       [this](ShareFound& message) { attempt([&] { found(message); }); },
@@ -99,7 +101,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       },
       [this](ShareReleased& released) {
         attempt([&] {
-          if (!course_.is(At::finding) && placements_.answer(released.node, released.tiles)) place_orphans();
+          if (!course_.is(At::finding) && placements_.answer(released.node, released.tiles)) place_homeless();
         });
       },
       [this](const NodeLost& lost) {
@@ -121,50 +123,8 @@ Coordinator::behavior_type Coordinator::make_behavior() {
   };
 }
 
-SharedBytes Coordinator::spec_bytes() const {
-  ShareSpec spec = options_.spec;
-  spec.table = table();
-  return to_bytes(spec);
-}
-
-void Coordinator::prepare(NodeId node, const SharedBytes& spec) {
-  Participant& p = parts_[node.value];
-  monitor(p.node);
-  p.open.message() = {options_.job, node, spec, caf::actor_cast<caf::actor>(this), options_.term};
-  p.abort.message().term = options_.term;
-}
-
-void Coordinator::opened(const ShareOpened& message) {
-  Participant& p = parts_.at(message.node.value);
-  Roster::Node& node = roster_[message.node];
-  if (message.failure) return not_opened(message);
-  account_.node_came();
-  if (!node.gone()) node.standing = Standing::there;
-  if (message.settled) node.reached = Reached::settled;
-  node.threads = message.threads;
-  node.memory_bytes = message.memory_bytes;
-  node.name = message.name;
-  p.part = caf::actor_cast<ShareHandle>(message.part);
-  if (course_.is(At::finishing)) node.standing = Standing::left;  // the share is not needed any more
-  if (node.gone() || course_.is(At::ending)) {
-    p.abort.say(p.part);
-    return finish_if_over();
-  }
-  monitor(p.part);
-  if (course_.is(At::opening)) return begin_if_opened();
-  if (!node.name.empty()) owner_.said("node " + node.name + " has come, and takes part");
-  welcome(message.node);
-}
-
-BeginShare Coordinator::beginning() const { return {part_handles(), table(), course_.is(At::collecting)}; }
-
-void Coordinator::take(const TileDone& done) {
-  if (done.stage != table().stage) return;  // from a node that was lost in the stage before
-  if (placements_.store(done.tile.tile)) owner_.stored(done);
-}
-
 void Coordinator::begin_if_opened() {
-  if (roster_.all([](const Roster::Node& node) { return node.standing != Standing::asked; })) begin();
+  if (roster_.all_have_answered()) begin();
 }
 
 void Coordinator::begin() {
@@ -175,15 +135,18 @@ void Coordinator::begin() {
   }
   account_.start(std::chrono::steady_clock::now(), settled);
   course_.begin(settled);
-  const caf::message message = for_parts(beginning());
-  for (const Host& host : hosts()) tell(parts_[host.node.value], message);
+  const caf::message message = for_shares(beginning());
+  for (const Host& host : hosts()) tell(participants_[host.node.value], message);
   detector_.restart_busy(nodes());
-  std::vector<TileId> homeless;  // those of nodes that were lost before anything began
-  for (const TileId t : placements_.order()) {
-    if (!roster_.has(table().node_of(t))) homeless.push_back(t);
-  }
-  placements_.release(homeless);
-  if (!homeless.empty()) place_orphans();
+  // Nodes may have been lost before anything began.
+  if (placements_.release_homeless(lives()) > 0) place_homeless();
+}
+
+BeginShare Coordinator::beginning() const { return {share_handles(), table(), course_.is(At::collecting)}; }
+
+void Coordinator::take(const TileDone& done) {
+  if (done.stage != table().stage) return;  // from a node that was lost in the stage before
+  if (placements_.store(done.tile.tile)) owner_.stored(done);
 }
 
 void Coordinator::act(QuiescenceDetector::Verdict verdict) {
@@ -191,13 +154,18 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
     case QuiescenceDetector::Verdict::wait:
       return;
     case QuiescenceDetector::Verdict::probe:
-      return tell_parts(Probe{detector_.wave()});
+      return tell_shares(Probe{detector_.wave()});
     case QuiescenceDetector::Verdict::quiet:
       account_.is_quiet(std::chrono::steady_clock::now());
       course_.settle();
       if (options_.on_quiet) options_.on_quiet(table());
-      return tell_parts(Settle{});
+      return tell_shares(Settle{});
   }
+}
+
+// Some tiles begin again, or go on elsewhere.
+void Coordinator::is_disturbed() {
+  if (course_.disturb()) account_.is_not_quiet();
 }
 
 // From here on no tile needs another tile, because what tiles know of each other is on scratch.
@@ -206,7 +174,7 @@ void Coordinator::collect_if_settled() {
   if (Status marked = options_.mark_settled(table().stage, true); !marked)
     return fail(failure_of(std::move(marked).error()));
   course_.collect();
-  tell_parts(Collect{});
+  tell_shares(Collect{});
 }
 
 void Coordinator::finish_if_collected() {
@@ -214,15 +182,66 @@ void Coordinator::finish_if_collected() {
   if (table().stage + 1 < options_.stages) return begin_next_stage();
   course_.finish();
   if (account_.has_untold()) tell_progress();
-  tell_parts(Finish{});
+  tell_shares(Finish{});
 }
 
-void Coordinator::step_down() noexcept {
-  told_ = true;
-  RunEnded end;
-  end.failure = failure_of(error(Errc::interrupted, "another coordinator has taken over"));
-  owner_.ended(std::move(end));
-  quit();
+void Coordinator::begin_next_stage() {
+  course_.begin_next_stage();
+  account_.begin_stage(std::chrono::steady_clock::now());
+  roster_.begin_stage();
+  const std::vector<Host> there = hosts();
+  const std::vector<Placement> changes = placements_.begin_next_stage(there, lives());
+  if (Status marked = options_.mark_settled(table().stage, false); !marked)
+    return fail(failure_of(std::move(marked).error()));
+  change_table(changes);
+  if (!there.empty() && !placements_.homeless().empty()) wait_for_room(placements_.homeless());
+}
+
+// Sends a table of a new epoch. Each share counts as busy until all its tiles go by the table and what they tell again
+// has been processed.
+void Coordinator::change_table(const std::vector<Placement>& changes) {
+  ChangeTable message{placements_.change(changes), share_handles(), course_.is(At::collecting)};
+  roster_.forget_reached();
+  detector_.restart_busy(nodes());
+  is_disturbed();
+  tell_shares(std::move(message));
+}
+
+void Coordinator::show_progress(ShareProgress& message) {
+  const NodeId node = message.node;
+  if (roster_.has(node) && account_.heard(node, std::move(message), participants_.size())) tell_progress();
+}
+
+void Coordinator::tell_progress() {
+  roster_.count_tiles(placements_);
+  std::vector<Account::Node> nodes;
+  for (const Roster::Node& node : roster_.nodes())
+    nodes.push_back({node.name, node.tiles, node.gone(), node.standing == Standing::left});
+  owner_.progressed(account_.progress(nodes));
+}
+
+void Coordinator::ended(ShareEnded& message) {
+  // The share had answered. It has ended, and its node may open another one.
+  if (course_.is(At::finding)) {
+    inquiry_.end_share(message.node);
+    return;
+  }
+  if (!roster_.has(message.node) || roster_[message.node].over()) return;
+  Roster::Node& node = roster_[message.node];
+  node.standing = Standing::ended;
+  participants_[message.node.value].share = nullptr;
+  account_.ended(message);
+  if (message.failure) {
+    if (!node.name.empty() && message.failure.code != static_cast<std::uint8_t>(Errc::interrupted))
+      message.failure.text = "node " + node.name + ": " + message.failure.text;
+    if (!message.of_node || !course_.works() || hosts().empty()) return fail(std::move(message.failure));
+    node.standing = Standing::lost;
+    account_.node_lost();
+    return missing(message.node, message.failure, "cannot use its scratch folder (" + message.failure.text + ")");
+  }
+  const bool handed = placements_.hands_over(message.node) && course_.is(At::exchanging);
+  if (handed || (node.dismissed && course_.is(At::collecting))) return left(message);
+  finish_if_over();
 }
 
 void Coordinator::fail(Failure failure) {
@@ -235,58 +254,61 @@ void Coordinator::fail(Failure failure) {
   if (!interrupted || course_.is(At::ending)) return give_up(std::move(failure));
   failure_ = std::move(failure);
   course_.end();
-  tell_parts(Suspend{});
+  tell_shares(Suspend{});
   finish_if_over();
 }
 
 void Coordinator::give_up(Failure failure) noexcept {
   if (!failure_) failure_ = std::move(failure);
   course_.end();
-  abort_parts();
+  abort_shares();
   finish_if_over();
 }
 
-void Coordinator::abort_parts() noexcept {
-  for (Participant& p : parts_) p.abort.say(p.part);
+void Coordinator::step_down() noexcept {
+  told_ = true;
+  RunEnded end;
+  end.failure = failure_of(error(Errc::interrupted, "another coordinator has taken over"));
+  owner_.ended(std::move(end));
+  quit();
 }
 
-void Coordinator::ended(ShareEnded& message) {
-  // The share had answered. It has ended, and its node may open another one.
-  if (course_.is(At::finding)) {
-    for (ShareFound& found : answers_) {
-      if (found.part && found.self == message.node) found.part = nullptr;
-    }
-    return;
-  }
-  if (!roster_.has(message.node) || roster_[message.node].over()) return;
-  Roster::Node& node = roster_[message.node];
-  node.standing = Standing::ended;
-  parts_[message.node.value].part = nullptr;
-  account_.ended(message);
-  if (message.failure) {
-    if (!node.name.empty() && message.failure.code != static_cast<std::uint8_t>(Errc::interrupted))
-      message.failure.text = "node " + node.name + ": " + message.failure.text;
-    if (!message.of_node || !course_.works() || hosts().empty()) return fail(std::move(message.failure));
-    node.standing = Standing::lost;
-    account_.node_lost();
-    return missing(message.node, message.failure,
-                   "cannot go on with its scratch folder (" + message.failure.text + ")");
-  }
-  const bool handed = placements_.hands_over(message.node) && course_.is(At::exchanging);
-  if (handed || (node.dismissed && course_.is(At::collecting))) return left(message);
-  finish_if_over();
+void Coordinator::abort_shares() noexcept {
+  for (Participant& p : participants_) p.abort.say(p.share);
 }
 
 void Coordinator::finish_if_over() noexcept {
   // A share that is not open yet will be, or its node will be missed. Only then is it known that no work goes on there.
-  if (told_ || !course_.ends() || !roster_.all([](const Roster::Node& node) { return node.over(); })) return;
+  if (told_ || !course_.ends() || !roster_.all_are_over()) return;
   told_ = true;
   RunEnded end = account_.end(std::chrono::steady_clock::now(), detector_.wave().value);
   if (failure_) end.failure = std::move(*failure_);
   end.again = again_;
-  for (const Roster::Node& node : roster_.nodes()) end.memory_bytes += node.memory_bytes;
+  end.memory_bytes = roster_.memory_bytes();
   owner_.ended(std::move(end));
   quit();
+}
+
+std::vector<Host> Coordinator::hosts() const {
+  std::vector<Host> hosts;
+  for (std::uint32_t n = 0; n < participants_.size(); ++n) {
+    const Roster::Node& node = roster_[NodeId{n}];
+    if (node.there() && !leaves(participants_[n].node))
+      hosts.push_back(room_.host(NodeId{n}, node.threads, node.memory_bytes));
+  }
+  return hosts;
+}
+
+std::set<NodeId> Coordinator::nodes() const {
+  std::set<NodeId> nodes;
+  for (const Host& host : hosts()) nodes.insert(host.node);
+  return nodes;
+}
+
+std::vector<caf::actor> Coordinator::share_handles() const {
+  std::vector<caf::actor> handles;
+  for (const Participant& p : participants_) handles.push_back(caf::actor_cast<caf::actor>(p.share));
+  return handles;
 }
 
 }  // namespace tessera

@@ -12,12 +12,12 @@
 // collecting | ShareCollected   | when all have: the next stage begins, with a new table;      | exchanging;
 //            |                  | after the last stage: Finish to all                          | finishing
 // any        | NodeJoined       | open a share there; when it is open, Release to all others   |
-// any        | NodeLeaves       | NodeLet, once there is nothing to do there (coordinator_leaving.cc)
+// any        | NodeLeaves       | NodeLet, once there is nothing to do there (src/exchange/leaving.h)
 // any        | ShareReleased    | a new epoch: the released tiles begin where work is wanted   |
 // exchanging, settling | NodeLost | a new epoch: its tiles begin again on other nodes          | exchanging
 // collecting | NodeLost         | a new epoch: others build its tiles that are not stored      | collecting
 // any        | NodeLost, of the last node | wait for another node; fail when none comes within the grace | ending
-// finding, exchanging, collecting | no node has the memory for a tile | the same (coordinator_room.cc)
+// finding, exchanging, collecting | no node has the memory for a tile | the same (src/exchange/node_room.h)
 // any        | a share is gone without a last message | as for NodeLost                        |
 // any        | ShareProgress    | tell the owner the progress                                  |
 // any        | Cancel           | Suspend to all shares                                        | ending
@@ -29,7 +29,6 @@
 // any        | an exception     | Abort to all shares                                          | ending
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -44,6 +43,9 @@
 #include "actors/steady_actor.h"
 #include "src/exchange/course.h"
 #include "src/exchange/detector.h"
+#include "src/exchange/inquiry.h"
+#include "src/exchange/node_room.h"
+#include "src/exchange/node_wait.h"
 #include "src/exchange/placements.h"
 #include "src/exchange/roster.h"
 #include "src/exchange/share.h"
@@ -72,11 +74,8 @@ struct CoordinatorOptions {
   std::function<Result<std::vector<TileReceipt>>(std::uint32_t stage)> stored;
   // Returns the stage with which the job begins when no node has a share of it: the last one that is settled.
   std::function<Result<std::uint32_t>()> first_stage;
-  // Returns the greatest weight of a tile that a node with so many threads and so much memory can work on. Empty: any
-  // weight.
-  std::function<std::uint64_t(std::uint32_t threads, std::uint64_t memory_bytes)> weight_max;
-  // Describes a tile of this weight and what it needs, for users: "a tile of size 5, which needs about 3 MiB".
-  std::function<std::string(std::uint64_t weight)> tile_in_words;
+  NodeRoom::WeightMax weight_max;
+  NodeRoom::TileInWords tile_in_words;
   // When set, called at the moment when quiescence is believed. The harness checks there that it is true.
   std::function<void(const RoutingTable&)> on_quiet;
   std::optional<NodeId> home;  // see Hooks
@@ -97,116 +96,128 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   // The actors of a node and its share. The roster has their state.
   struct Participant {
     NodeHandle node;
-    ShareHandle part;  // null before the share is opened, and when it has ended
+    ShareHandle share;  // null before the share is opened, and when it has ended
     Prepared<OpenShare> open;
     Prepared<Abort> abort;
+  };
+  // The actors of a node that was asked for its share, and of the share that it has. The inquiry has what they said.
+  struct Asked {
+    NodeHandle node;
+    ShareHandle share;
+  };
+  // A node that is to leave, and was not let go yet.
+  struct Leaving {
+    NodeHandle node;
+    UsherHandle registry;
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
   // Runs one step. A failure in it ends the job and not the coordinator, which waits for all shares.
   template <class Step>
   void attempt(Step step) noexcept;
-  void opened(const ShareOpened& message);
-  void not_opened(const ShareOpened& message);
-  void begin();
+
+  // The course of the job.
   void begin_if_opened();
+  void begin();
+  BeginShare beginning() const;  // for shares that are open, and have not begun
+  void take(const TileDone& done);
+  void act(QuiescenceDetector::Verdict verdict);
+  void is_disturbed();
+  void collect_if_settled();
+  void finish_if_collected();
+  void begin_next_stage();
+  void change_table(const std::vector<Placement>& changes);
+  void show_progress(ShareProgress& message);
+  void tell_progress();
+
+  // The end of the job.
+  void ended(ShareEnded& message);
+  void fail(Failure failure);
+  void give_up(Failure failure) noexcept;
+  void step_down() noexcept;
+  void abort_shares() noexcept;
+  void finish_if_over() noexcept;
+
+  // The nodes; these are in coordinator_nodes.cc.
+  void ask(const NodeHandle& node);
   void find(const NodeHandle& node);
+  template <class Is>
+  std::optional<Inquiry::Question> question_to(Is is) const;
   void found(ShareFound& message);
   void take_over();
   void open_anew();
+  void forget_inquiry();
   void go_on();
-  BeginShare beginning() const;  // for shares that are open, and have not begun
-  void take(const TileDone& done);
+  void join(const NodeHandle& node);
+  NodeId add(const NodeHandle& node);
+  bool knows(const NodeHandle& node) const;
   // Makes the messages for a node. `spec` is what spec_bytes() returns: all nodes share one copy.
   void prepare(NodeId node, const SharedBytes& spec);
   SharedBytes spec_bytes() const;
-  void join(const NodeHandle& node);
+  void opened(const ShareOpened& message);
+  void not_opened(const ShareOpened& message);
+  void welcome(NodeId node);
+  void note(const NodeBack& back);
   void leave(const NodeLeaves& leaves);
   bool leaves(const NodeHandle& node) const;
   void let_go();
   bool may_go(const NodeHandle& node);
   void dismiss(NodeId node);
   void left(const ShareEnded& message);
-  void note(const NodeBack& back);
-  bool knows(const NodeHandle& node) const;
-  void welcome(NodeId node);
-  NodeId add(const NodeHandle& node);
+  void lost_actor(const caf::down_msg& down);
   void lose(const NodeHandle& node, Failure failure, const std::string& why);
   void lose_found(const NodeHandle& node);
   void lose(NodeId node, Failure failure, const std::string& why);
-  void orphan_tiles(NodeId node, const std::string& why);
+  void missing(NodeId node, Failure failure, const std::string& why);
+  void lose_tiles(NodeId node, const std::string& why);
+  void place_homeless();
   bool nobody() const;
-  void is_disturbed();
   void wait_for_a_node(Failure failure, const std::string& because = "no node is left");
+  void wait_for_room(const std::vector<TileId>& tiles);
   void give_up_waiting(const NobodyCame& over);
-  void place_orphans();
-  void change_table(const std::vector<Placement>& changes);
+
   const RoutingTable& table() const { return placements_.table(); }
   Placements::Lives lives() const {
     return [this](NodeId node) { return roster_.has(node); };
   }
-  Host host(NodeId node, std::uint32_t threads, std::uint64_t memory_bytes) const;
-  bool may_begin();
-  bool has_room(NodeId node) const;
-  void wait_for_room(const std::vector<TileId>& tiles);
-  void missing(NodeId node, Failure failure, const std::string& why);
-  void step_down() noexcept;
   std::vector<Host> hosts() const;
   std::set<NodeId> nodes() const;
-  std::vector<caf::actor> part_handles() const;
-  void finish_if_collected();
-  void begin_next_stage();
-  void act(QuiescenceDetector::Verdict verdict);
-  void collect_if_settled();
-  void show_progress(ShareProgress& message);
-  void tell_progress();
-  void count_tiles();
-  void ended(ShareEnded& message);
-  void fail(Failure failure);
-  void give_up(Failure failure) noexcept;
-  void abort_parts() noexcept;
-  void lost_actor(const caf::down_msg& down);
-  void finish_if_over() noexcept;
+  std::vector<caf::actor> share_handles() const;
   // Makes one message for many shares, because a table is as long as there are tiles. A receiver that changes the
   // message gets a copy of its own.
   template <class Message>
-  caf::message for_parts(Message message) const {
+  caf::message for_shares(Message message) const {
     static_assert(caf::response_type_unbox<caf::signatures_of_t<ShareHandle>, caf::detail::type_list<Message>>::valid);
     return caf::make_message(std::move(message));
   }
-  void tell(const Participant& p, const caf::message& for_parts) {
-    caf::actor_cast<caf::abstract_actor*>(p.part)->enqueue(caf::strong_actor_ptr(ctrl()), caf::make_message_id(),
-                                                           for_parts, context());
+  void tell(const Participant& p, const caf::message& for_shares) {
+    caf::actor_cast<caf::abstract_actor*>(p.share)->enqueue(caf::strong_actor_ptr(ctrl()), caf::make_message_id(),
+                                                            for_shares, context());
   }
   template <class Message>
-  void tell_parts(Message message) {
-    const caf::message shared = for_parts(std::move(message));
-    for (const Participant& p : parts_) {
-      if (p.part) tell(p, shared);
+  void tell_shares(Message message) {
+    const caf::message shared = for_shares(std::move(message));
+    for (const Participant& p : participants_) {
+      if (p.share) tell(p, shared);
     }
   }
+
   CoordinatorOptions options_;
   RunOwner& owner_;
-  std::vector<Participant> parts_;  // by node
-  Roster roster_;                   // by node
+  std::vector<Participant> participants_;  // by node
+  std::vector<Asked> asked_;               // by question of the inquiry
+  std::vector<Leaving> leaving_;
+  Roster roster_;  // by node
   Placements placements_;
   Course course_;
   QuiescenceDetector detector_;
-  std::vector<NodeHandle> asked_;  // nodes that were asked for their shares, and have not answered
-  std::vector<ShareFound> answers_;
-  std::uint32_t numbers_lost_ = 0;  // numbers below it belong to shares whose nodes were lost after they had answered
-  struct Leaving {
-    NodeHandle node;
-    UsherHandle registry;
-  };
-  std::vector<Leaving> leaving_;  // nodes that are to leave, and were not let go yet
-  bool without_room_ = false;     // no node has the memory for one of the tiles
-  Failure missed_;                // why the job fails if no node comes
-  std::uint64_t waits_ = 0;       // how often the job has waited for a node
-  std::optional<Failure> failure_;
+  Inquiry inquiry_;
+  NodeRoom room_;
+  NodeWait wait_;
   Account account_{std::chrono::steady_clock::now()};
-  std::optional<Epoch> counted_;
-  bool told_ = false, again_ = false;
+  std::optional<Failure> failure_;  // why the job ends early
+  bool again_ = false;              // as in RunEnded
+  bool told_ = false;               // the owner was told that the run has ended
 };
 
 }  // namespace tessera

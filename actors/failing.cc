@@ -14,7 +14,7 @@ std::string in_words(caf::exit_reason reason) {
     case caf::exit_reason::remote_link_unreachable:
       return "the connection is broken";
     case caf::exit_reason::unhandled_exception:
-      return "an error that nobody expected";
+      return "an unexpected error";
     case caf::exit_reason::unknown:
     case caf::exit_reason::unreachable:
       break;
@@ -25,9 +25,9 @@ std::string in_words(caf::exit_reason reason) {
 std::string in_words(caf::sec reason) {
   switch (reason) {
     case caf::sec::cannot_connect_to_node:
-      return "nobody listens there, or the network does not lead there";
+      return "no process listens there, or the network does not reach it";
     case caf::sec::disconnect_during_handshake:
-      return "the connection was closed before anything was said: its certificates may not fit";
+      return "the connection was closed before any message came: the certificates may not match";
     case caf::sec::request_timeout:
     case caf::sec::connection_timeout:
       return "no answer in time";
@@ -35,14 +35,14 @@ std::string in_words(caf::sec reason) {
     case caf::sec::unexpected_actor_messaging_interface:
     case caf::sec::incompatible_versions:
     case caf::sec::incompatible_application_ids:
-      return "who listens there is of no cluster, or of another release";
+      return "the process that listens there belongs to no cluster, or to another release";
     case caf::sec::malformed_basp_message:
     case caf::sec::serializing_basp_payload_failed:
     case caf::sec::unknown_type:
     case caf::sec::end_of_stream:
     case caf::sec::invalid_argument:
     case caf::sec::unexpected_message:
-      return "what was said is not understood";
+      return "a message was not understood";
     case caf::sec::request_receiver_down:
     case caf::sec::no_route_to_receiving_node:
     case caf::sec::socket_disconnected:
@@ -51,11 +51,11 @@ std::string in_words(caf::sec reason) {
     case caf::sec::network_syscall_failed:
     case caf::sec::socket_operation_failed:
     case caf::sec::cannot_open_port:
-      return "the system does not allow it";
+      return "the system refuses it";
     case caf::sec::runtime_error:
-      return "an error that nobody expected";
+      return "an unexpected error";
     default:
-      return "the network's error " + std::to_string(static_cast<unsigned>(reason));
+      return "network error " + std::to_string(static_cast<unsigned>(reason));
   }
 }
 
@@ -69,7 +69,7 @@ std::string in_words(const caf::error& reason) {
 }
 
 Failure lost(const std::string& who, const caf::error& reason) {
-  return failure_of(error(Errc::internal, who + " came to an unexpected end: " + in_words(reason)));
+  return failure_of(error(Errc::internal, who + " ended unexpectedly: " + in_words(reason)));
 }
 
 }  // namespace tessera

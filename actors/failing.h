@@ -22,7 +22,7 @@ Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
   } catch (const TileTooLarge& e) {
     return failure_of(worded([&] { return error(Errc::memory, who() + " " + e.what() + ": use smaller tiles"); }));
   } catch (const Stopped&) {
-    return failure_of(worded([&] { return error(Errc::interrupted, who() + " was stopped at its work"); }));
+    return failure_of(worded([&] { return error(Errc::interrupted, who() + " was stopped while it worked"); }));
   } catch (const std::bad_alloc&) {
     return failure_of(worded([&] {
       return error(Errc::memory,
@@ -31,7 +31,7 @@ Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
   } catch (const std::exception& e) {
     return failure_of(worded([&] { return error(Errc::internal, who() + ": " + e.what()); }));
   } catch (...) {
-    return failure_of(worded([&] { return error(Errc::internal, who() + ": an exception of unknown kind"); }));
+    return failure_of(worded([&] { return error(Errc::internal, who() + ": an unknown kind of exception"); }));
   }
 }
 

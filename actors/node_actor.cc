@@ -13,7 +13,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t work_between_words = 500'000;
+constexpr std::uint64_t work_between_reports = 500'000;
 
 }  // namespace
 
@@ -85,22 +85,22 @@ Result<ShareOpened> NodeActor::open(const OpenShare& wanted) {
   BOOST_OUTCOME_TRY(made, source_->open(spec, wanted.node));
   *options_.used += memory;
   // Before the share's last reference is gone: the caller that has waited for that may begin the next job.
-  const std::shared_ptr<const Share> part(made.release(), [used = options_.used, memory](const Share* last) {
+  const std::shared_ptr<const Share> share(made.release(), [used = options_.used, memory](const Share* last) {
     *used -= memory;
     delete last;
   });
   ShareOpened opened;
-  opened.settled = part->settled;
-  opened.threads = part->stages.at(part->table->stage).schedule.threads;
+  opened.settled = share->settled;
+  opened.threads = share->stages.at(share->table->stage).schedule.threads;
   opened.memory_bytes = memory;
-  Opened& known = parts_[wanted.job];
+  Opened& known = shares_[wanted.job];
   // Last, because nothing may fail once the actor is there.
   const ShareHandle handle =
-      spawn<ShareActor>(wanted.node, ShareOptions(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
+      spawn<ShareActor>(wanted.node, ShareOptions(spec), share, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
                         wanted.term, options_.hooks, options_.progress_interval, options_.meter);
-  opened.part = caf::actor_cast<caf::actor>(handle);
-  known.part = opened.part.address();
-  monitor(known.part);
+  opened.share = caf::actor_cast<caf::actor>(handle);
+  known.share = opened.share.address();
+  monitor(known.share);
   return opened;
 }
 
@@ -118,8 +118,9 @@ bool NodeActor::is_replaced(JobId job, Term term) {
 }
 
 void NodeActor::leave() {
-  for (const auto& [job, opened] : parts_) {
-    if (const auto part = caf::actor_cast<caf::actor>(opened.part)) send(caf::actor_cast<ShareHandle>(part), Leave{});
+  for (const auto& [job, opened] : shares_) {
+    if (const auto share = caf::actor_cast<caf::actor>(opened.share))
+      send(caf::actor_cast<ShareHandle>(share), Leave{});
   }
   routing_.clear();
   quit();
@@ -128,12 +129,12 @@ void NodeActor::leave() {
 void NodeActor::find(const FindShare& wanted) {
   // That coordinator will open the job anew, and hear why it cannot.
   if (is_replaced(wanted.job, wanted.term)) return answer_none(wanted);
-  const auto found = parts_.find(wanted.job);
-  const auto part = found == parts_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.part);
-  if (!part) return answer_none(wanted);
+  const auto found = shares_.find(wanted.job);
+  const auto share = found == shares_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.share);
+  if (!share) return answer_none(wanted);
   found->second.wanted = wanted;
   found->second.wanted->name = options_.name;
-  send(caf::actor_cast<ShareHandle>(part), *found->second.wanted);
+  send(caf::actor_cast<ShareHandle>(share), *found->second.wanted);
 }
 
 void NodeActor::answer_none(const FindShare& wanted) {
@@ -163,7 +164,7 @@ void NodeActor::route(const RouteSplit& wanted) {
         std::uint64_t told = 0;
         work.routed = [&](std::uint64_t more) {
           routed.routed += more;
-          if (routed.routed - told < work_between_words) return;
+          if (routed.routed - told < work_between_reports) return;
           told = routed.routed;
           caf::anon_send(router, routed);
         };
@@ -183,11 +184,11 @@ void NodeActor::route(const RouteSplit& wanted) {
 // If the share has not answered a coordinator that takes over, this actor must do so now.
 void NodeActor::gone(const caf::down_msg& down) {
   if (const auto routing = routing_.find(down.source); routing != routing_.end()) routing->second.request_stop();
-  const auto found =
-      std::find_if(parts_.begin(), parts_.end(), [&](const auto& entry) { return entry.second.part == down.source; });
-  if (found == parts_.end()) return;
+  const auto found = std::find_if(shares_.begin(), shares_.end(),
+                                  [&](const auto& entry) { return entry.second.share == down.source; });
+  if (found == shares_.end()) return;
   if (found->second.wanted) answer_none(*found->second.wanted);
-  parts_.erase(found);
+  shares_.erase(found);
 }
 
 }  // namespace tessera

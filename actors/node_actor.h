@@ -63,10 +63,10 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   NodeOptions options_;
   std::shared_ptr<ShareSource> source_;
   struct Opened {
-    caf::actor_addr part;
+    caf::actor_addr share;
     std::optional<FindShare> wanted;  // the last request that was passed on: the share may not have got it
   };
-  std::map<JobId, Opened> parts_;
+  std::map<JobId, Opened> shares_;
   std::map<JobId, Term> terms_;   // the highest known: requests of lower terms are refused
   Prepared<ShareOpened> answer_;  // the next one
   // By router; a thread has ended, or ends soon, when its router is gone.

@@ -10,31 +10,31 @@
 namespace tessera {
 
 struct NodeWork {
-  std::uint64_t parts = 0, tiles_asleep = 0, tile_memory_bytes = 0, waiting_bytes = 0;  // at present
+  std::uint64_t shares = 0, tiles_asleep = 0, tile_memory_bytes = 0, waiting_bytes = 0;  // at present
   std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0;  // since the start, as are `outboxes`
   OutboxCounts outboxes;
 };
 
 class NodeMeter {
  public:
-  // Replaces what was told of one share. `part` is a number of the share's own.
-  void tell(std::uint64_t part, const NodeWork& work) {
+  // Replaces what was told of one share. `share` is a number of the share's own.
+  void tell(std::uint64_t share, const NodeWork& work) {
     const std::lock_guard lock(mutex_);
-    parts_[part] = work;
+    shares_[share] = work;
   }
   // The share has ended: nothing is under way there any more.
-  void end(std::uint64_t part) noexcept {
+  void end(std::uint64_t share) noexcept {
     const std::lock_guard lock(mutex_);
-    const auto found = parts_.find(part);
-    if (found == parts_.end()) return;
+    const auto found = shares_.find(share);
+    if (found == shares_.end()) return;
     add_ever(ended_, found->second);
-    parts_.erase(found);
+    shares_.erase(found);
   }
   NodeWork now() const {
     const std::lock_guard lock(mutex_);
     NodeWork sum = ended_;
-    for (const auto& [part, work] : parts_) {
-      ++sum.parts;
+    for (const auto& [share, work] : shares_) {
+      ++sum.shares;
       sum.tiles_asleep += work.tiles_asleep;
       sum.tile_memory_bytes += work.tile_memory_bytes;
       sum.waiting_bytes += work.waiting_bytes;
@@ -52,7 +52,7 @@ class NodeMeter {
   }
 
   mutable std::mutex mutex_;
-  std::map<std::uint64_t, NodeWork> parts_;
+  std::map<std::uint64_t, NodeWork> shares_;
   NodeWork ended_;
 };
 

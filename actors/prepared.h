@@ -19,8 +19,8 @@ class Prepared {
   // Sends the message, the first time that it is called. Does nothing when `to` is null.
   template <class Handle>
   void say(const Handle& to) noexcept {
-    using Words = caf::detail::type_list<Message>;
-    static_assert(caf::response_type_unbox<caf::signatures_of_t<Handle>, Words>::valid, "the receiver takes it");
+    using Messages = caf::detail::type_list<Message>;
+    static_assert(caf::response_type_unbox<caf::signatures_of_t<Handle>, Messages>::valid, "the receiver takes it");
     if (element_ && to) caf::actor_cast<caf::abstract_actor*>(to)->enqueue(std::move(element_), nullptr);
   }
 

@@ -153,7 +153,7 @@ struct FindShare {
 struct ShareFound {
   Term term;
   caf::actor node;
-  caf::actor part;     // null: there is no share; then only term, node, name, and what a share would get, are set
+  caf::actor share;    // null: there is no share; then only term, node, name, and what a share would get, are set
   NodeId self;         // the node's number in this job
   bool begun = false;  // BeginShare has come
   RoutingTable table;
@@ -166,14 +166,14 @@ struct ShareFound {
 
 // coordinator -> share. Each epoch has one table.
 struct BeginShare {
-  std::vector<caf::actor> parts;  // by node; null where there is none
+  std::vector<caf::actor> shares;  // by node; null where there is none
   RoutingTable table;
   bool settled = false;  // all shares are settled: collect at once
 };
 struct ChangeTable {
   RoutingTable table;
-  std::vector<caf::actor> parts;  // by node
-  bool settled = false;           // new tiles are collected at once
+  std::vector<caf::actor> shares;  // by node
+  bool settled = false;            // new tiles are collected at once
 };
 struct Probe {
   Wave wave;
@@ -199,7 +199,7 @@ struct HandOver {};
 struct ShareOpened {
   NodeId node;
   Failure failure;
-  caf::actor part;
+  caf::actor share;
   bool settled = false;  // the share needs no exchange
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
@@ -261,7 +261,7 @@ struct Cancel {};
 // registry -> coordinator: the node is lost, and never comes back; or it is there, and free for work.
 struct NodeLost {
   caf::actor node;
-  std::string why = {};  // "has not been heard of for 10 s"
+  std::string why = {};  // "has been silent for longer than its lease"
 };
 struct NodeJoined {
   caf::actor node;

@@ -9,56 +9,50 @@
 namespace tessera {
 namespace {
 
-// Many small tiles make many spans in a moment. The spans are sent before they take more memory than the tiles.
-constexpr std::size_t spans_max = 1000;
-// Up to so many nodes send progress at the shortest interval. With more nodes each waits longer, so that the
-// coordinator has no more to do.
-constexpr std::size_t nodes_at_once = 50;
+// More nodes than any job has.
+constexpr std::uint32_t nodes_max = 1 << 16;
 
 }  // namespace
 
-ShareActor::ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> part,
+ShareActor::ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> share,
                        CoordinatorHandle coordinator, Term term, Hooks hooks,
                        std::chrono::milliseconds progress_interval, std::shared_ptr<NodeMeter> meter)
     : SteadyActor(config),
       self_(self),
-      part_(std::move(part)),
-      office_(std::make_shared<ActorDirectory>()),
+      share_(std::move(share)),
+      directory_(std::make_shared<ActorDirectory>()),
       coordinator_(std::move(coordinator)),
       term_(term),
-      schedule_(part_->stages.at(part_->table->stage).schedule, weights_by(*part_->table)),
-      table_(part_->table),
-      progress_interval_(progress_interval),
+      schedule_(share_->stages.at(share_->table->stage).schedule, weights_on(self, *share_->table, *share_->weights)),
+      table_(share_->table),
+      outboxes_(share_->outboxes, share_->scratch),
+      account_(self, progress_interval, share_->stored.size(), std::chrono::steady_clock::now()),
       meter_(std::move(meter)) {
-  office_->self = self;
-  office_->options = std::move(options);
-  office_->hooks = std::move(hooks);
-  live_at(office_->hooks.home);
-  sum_.node = progress_.node = self;
-  progress_told_ = std::chrono::steady_clock::now();
-  for (const TileReceipt& stored : part_->stored) {
-    schedule_.set_stored(stored.tile);
-    ++progress_.tiles_stored;
-  }
+  directory_->self = self;
+  directory_->options = std::move(options);
+  directory_->hooks = std::move(hooks);
+  live_at(directory_->hooks.home);
+  for (const TileReceipt& stored : share_->stored) schedule_.set_stored(stored.tile);
 }
 
 // Share, tiles and directory refer to each other, and each lets go of the directory as it ends. The directory itself is
 // not changed, because a tile may be reading it at this moment.
 void ShareActor::on_exit() {
-  if (!office_) return;
+  if (!directory_) return;
   meter_->end(id());
   stop_work();
   for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
-  if (state_ != State::ended && !sum_.failure) sum_.failure = ended_unexpectedly();
-  last_word_.message() = std::move(sum_);
-  if (!silent_) last_word_.say(coordinator_);
-  office_ = nullptr;
-  part_ = nullptr;
+  ShareEnded& sum = account_.sum();
+  if (state_ != State::ended && !sum.failure) sum.failure = ended_unexpectedly();
+  last_message_.message() = std::move(sum);
+  if (!silent_) last_message_.say(coordinator_);
+  directory_ = nullptr;
+  share_ = nullptr;
   coordinator_ = nullptr;
 }
 
 void ShareActor::failed(const std::exception_ptr& exception) noexcept {
-  sum_.failure = failure_ ? std::move(*failure_) : failure_of(exception, [&] { return name_of(self_); });
+  account_.sum().failure = failure_ ? std::move(*failure_) : failure_of(exception, [&] { return name_of(self_); });
 }
 
 ShareActor::behavior_type ShareActor::make_behavior() {
@@ -103,8 +97,9 @@ ShareActor::behavior_type ShareActor::make_behavior() {
       },
       [this](const Probe& probe) {
         if (!obeyed()) return;
-        const ShareTally tally{self_, table_->epoch, probe.wave, idle(), totals_.sent, totals_.processed};
-        office_->hooks.tell([&] {
+        const Totals& totals = account_.totals();
+        const ShareTally tally{self_, table_->epoch, probe.wave, idle(), totals.sent, totals.processed};
+        directory_->hooks.tell([&] {
           return name_of(self_) + ": wave " + to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") + ", sent " +
                  std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
         });
@@ -163,59 +158,37 @@ ShareActor::behavior_type ShareActor::make_behavior() {
       },
       [this](const GraceOver& over) {
         if (coordinator_ || over.term != term_) return;
-        stop(failure_of(error(Errc::interrupted, "no coordinator has taken over")));
+        stop(failure_of(error(Errc::interrupted, "no other coordinator has taken over the job in time")));
         dispatch();
       },
   };
 }
 
-void ShareActor::note(Hosted& tile, Totals totals) {
-  Totals& before = tile.totals;
-  totals_.sent += totals.sent - before.sent;
-  totals_.processed += totals.processed - before.processed;
-  before = totals;
-}
-
 void ShareActor::take(TileReport& report) {
   const WorkSpan& span = report.span;
-  office_->hooks.tell([&] {
+  directory_->hooks.tell([&] {
     return name_of(self_) + ": tile " + std::to_string(span.tile.value) + " has done " + tessera::name_of(span.work) +
            ": sent " + std::to_string(report.sent) + ", processed " + std::to_string(report.processed) +
            ", updates waiting " + std::to_string(report.waiting.updates);
   });
   const auto found = hosted_.find(span.tile);
   if (found == hosted_.end()) return;
-  Hosted& tile = found->second;
-  note(tile, {report.sent, report.processed});
-  sum_.updates += report.updates - tile.updates;
-  tile.updates = report.updates;
-  sum_.items += report.items;
-  sum_.items -= tile.items;
-  tile.items = report.items;
-  sum_.hops = std::max<std::uint64_t>(sum_.hops, report.hops);
-  sum_.most_received = std::max(sum_.most_received, report.items.received);
-  const std::uint64_t us = span.end_us - span.begin_us;
-  tile.microseconds += us;
-  (span.work == Work::begin ? sum_.begin_us : span.work == Work::finish ? sum_.collect_us : sum_.exchange_us) += us;
-  progress_.spans.push_back(span);
+  account_.note(found->second.counts, report);
   if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked, because its mail could not be kept
   schedule_.done(span.tile, span.work, report.memory,
                  {report.waiting.updates, report.waiting.bytes, report.waiting.memory, report.waiting.hops},
                  report.storing);
-  if (span.work == Work::hand_over) ++(report.kept ? sum_.handed : sum_.not_handed);
-  if (span.work == Work::begin) {
-    ++progress_.tiles_begun;
-    progress_.weight_begun += weights()[span.tile.value];
-  }
+  if (span.work == Work::hand_over) account_.tile_is_handed_over(report.kept);
+  if (span.work == Work::begin) account_.tile_has_begun(weights()[span.tile.value]);
 }
 
 void ShareActor::take(TileStored& stored) {
   if (stored.failure) return abandon(stored.tile, std::move(stored.failure));
   if (!schedule_.storing(stored.tile)) return;  // given up meanwhile
   schedule_.stored(stored.tile);
-  ++progress_.tiles_stored;
-  tell_stored({table_->stage, {stored.tile, std::move(stored.receipt)}, hosted_.at(stored.tile).microseconds});
+  account_.tile_is_stored();
+  tell_stored({table_->stage, {stored.tile, std::move(stored.receipt)}, hosted_.at(stored.tile).counts.microseconds});
 }
 
 void ShareActor::abandon(TileId tile, Failure failure) {
@@ -223,22 +196,114 @@ void ShareActor::abandon(TileId tile, Failure failure) {
   stop(std::move(failure));
 }
 
+// An error io is that of the node's own scratch, because what waits for other nodes lies there.
+void ShareActor::stop_for_outbox(Error error) {
+  outbox_failed_ = error.code == Errc::io;
+  stop(failure_of(std::move(error)));
+}
+
+// Sends an update to the node that has the tile by the newest table. Drops it when the tile has another incarnation
+// there.
+void ShareActor::post(Update update) {
+  if (failure_ || !table_->alive(update.to)) return;
+  const NodeId to = table_->node_of(update.to.tile);
+  if (to == self_) return deliver(self_, std::move(update));
+  // That node is lost. A table to come says where the tile is.
+  if (!directory_->routes()->share_of(to)) return;
+  if (Status added = outboxes_.add(to, std::move(update)); !added) {
+    stop_for_outbox(std::move(added).error());
+    return dispatch();
+  }
+  send_packets(to);
+}
+
+void ShareActor::send_packets(NodeId to) {
+  const ShareHandle there = directory_->routes()->share_of(to);
+  while (true) {
+    auto updates = outboxes_.next(to);
+    if (!updates) {
+      stop_for_outbox(std::move(updates).error());
+      return dispatch();
+    }
+    if (updates.value().empty()) return;
+    Packet packet{self_, outboxes_.window_bytes(), std::move(updates).value()};
+    if (directory_->hooks.network) {
+      send(directory_->hooks.network, caf::actor_cast<caf::actor>(there), std::move(packet));
+    } else {
+      send(there, std::move(packet));
+    }
+  }
+}
+
+void ShareActor::deliver(Packet& packet) {
+  if (packet.from.value >= nodes_max) {  // something is kept for each node
+    stop(failure_of(error(Errc::internal, name_of(self_) + " received mail from node " +
+                                              std::to_string(packet.from.value) +
+                                              ", but no job has a node of this number")));
+    return dispatch();
+  }
+  if (packet.from != self_) owed_.note_window(packet.from, packet.window_bytes);
+  for (Update& update : packet.updates) deliver(packet.from, std::move(update));
+}
+
+void ShareActor::keep_early(NodeId from, Update update) {
+  if (early_.keep(from, std::move(update), nodes_)) return;
+  stop(
+      failure_of(error(Errc::internal, name_of(self_) + " received " + std::to_string(early_.bytes()) +
+                                           " bytes of mail for routing tables that it does not have yet, which is more "
+                                           "than other nodes may send")));
+  dispatch();
+}
+
+void ShareActor::deliver_early() {
+  for (EarlyMail::Early& early : early_.take()) deliver(early.from, std::move(early.update));
+}
+
+// Whatever another node sends, it never ends this process: an update for a tile that does not exist ends the job.
+void ShareActor::deliver(NodeId from, Update update) {
+  if (failure_) return;  // mail of a job that is over
+  const auto routes = directory_->routes();
+  if (!routes || update.epoch > table_->epoch) return keep_early(from, std::move(update));
+  const TileId to = update.to.tile;
+  const std::size_t tiles = weights().size();
+  const bool sound = to.value < tiles && update.from.tile.value < tiles;
+  // The update was sent by an older table; or the tile was given up, and its next incarnation is told again.
+  const TileHandle handle = routes->tile(to);
+  const bool gone = sound && (!table_->alive(update.to) || (handle && !hosts(to)));
+  if (gone) return give_credit(from, Outbox::bytes_of(update));
+  if (!sound || !handle) {
+    stop(failure_of(error(Errc::internal, name_of(self_) + " received mail for tile " + std::to_string(to.value) +
+                                              ", which is not on this node")));
+    return dispatch();
+  }
+  send(handle, Delivery{from, std::move(update)});
+}
+
+void ShareActor::give_credit(NodeId to, std::uint64_t bytes) {
+  if (to == self_ || failure_ || !owed_.add(to, bytes)) return;
+  if (const ShareHandle there = directory_->routes()->share_of(to)) send(there, Credit{self_, owed_.give(to)});
+}
+
+void ShareActor::take(const Credit& credit) {
+  if (!failure_ && outboxes_.taken(credit.from, credit.bytes)) send_packets(credit.from);
+}
+
 void ShareActor::stop(Failure failure) {
   if (failure_) return;
   // Settled tiles need no image: what makes them independent is on scratch.
-  const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && office_->options.resumable &&
+  const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && directory_->options.resumable &&
                       schedule_.phase() < Schedule::Phase::collecting && coordinator_;
   failure_ = std::move(failure);
   stop_work();
-  std::vector<Delivery>().swap(early_);
-  end_gates();
+  early_.take();
+  outboxes_.clear();
   schedule_.enter(images ? Schedule::Phase::suspending : Schedule::Phase::stopping);
 }
 
 // Work under way is of no use any more. Images that are being written are, and their writing does not look at the
 // token.
 void ShareActor::stop_work() noexcept {
-  std::stop_source stopping = part_->stopping;
+  std::stop_source stopping = share_->stopping;
   stopping.request_stop();
 }
 
@@ -249,7 +314,7 @@ void ShareActor::dispatch() {
   }
   tell_progress(false);
   // A share that has failed does not wait for tiles to take the table: the tile may be the one that has ended.
-  if (!schedule_.idle() || (rejoining_ > 0 && !failure_)) {
+  if (!schedule_.idle() || (!table_.is_taken() && !failure_)) {
     const bool begun = opened() && schedule_.phase() == Schedule::Phase::exchanging && schedule_.all_begun();
     if (begun && said_.first(ShareEvent::begun)) tell(ShareBegun{self_});
     return;
@@ -273,7 +338,7 @@ void ShareActor::dispatch() {
       if (said_.first(ShareEvent::collected)) tell(ShareCollected{self_, table_->epoch});
       return;
     case Schedule::Phase::handing:
-      if (leaving_ == 0) end();
+      if (releases_.all_have_left()) end();
       return;
     case Schedule::Phase::suspending:
     case Schedule::Phase::stopping:
@@ -294,42 +359,26 @@ void ShareActor::tell_stored(TileDone done) {
 
 void ShareActor::end() {
   tell_progress(true);
-  sum_.sleeps += schedule_.sleeps();
-  for (const auto& [node, outbox] : outboxes_) sum_.outboxes += outbox.counts();
+  account_.end(schedule_.sleeps(), outboxes_.counts());
   if (failure_) {
     const bool io = failure_->code == static_cast<std::uint8_t>(Errc::io);
-    sum_.of_node = io && (gate_failed_ || stage().context.storage->own_scratch_failed());
-    sum_.failure = std::move(*failure_);
+    account_.sum().of_node = io && (outbox_failed_ || stage().context.storage->own_scratch_failed());
+    account_.sum().failure = std::move(*failure_);
   }
   state_ = State::ended;
   quit();
 }
 
 void ShareActor::tell_progress(bool now) {
-  const auto time = std::chrono::steady_clock::now();
-  const bool due = now || progress_.spans.size() >= spans_max ||
-                   time - progress_told_ >= progress_interval_ * std::max<std::size_t>(1, nodes_ / nodes_at_once);
-  if (!due) return;
-  progress_told_ = time;
-  progress_.tiles_asleep = schedule_.asleep();
-  progress_.updates_sent = totals_.sent;
-  progress_.updates_processed = totals_.processed;
-  progress_.items_sent = sum_.items.sent;
-  progress_.memory_bytes = schedule_.memory();
-  progress_.outboxes = {};
-  std::uint64_t waiting = 0;
-  for (const auto& [node, outbox] : outboxes_) {
-    progress_.outboxes += outbox.counts();
-    waiting += outbox.waiting_bytes();
-  }
-  meter_->tell(id(), {0, progress_.tiles_asleep, progress_.memory_bytes, waiting,
-                      before_.tiles_begun + progress_.tiles_begun, before_.weight_begun + progress_.weight_begun,
-                      before_.tiles_stored + progress_.tiles_stored - stored_before().size(), progress_.outboxes});
+  if (!account_.is_due(std::chrono::steady_clock::now(), now, nodes_)) return;
+  const ShareProgress& progress = account_.progress(schedule_.asleep(), schedule_.memory(), outboxes_.counts());
+  meter_->tell(id(), account_.work(stored_before().size(), outboxes_.waiting_bytes()));
   if (!coordinator_) return;  // spans are kept for the next coordinator
   // The coordinator adds up the counts of all nodes ten times a second. With several nodes each tells fewer.
-  if (part_->mail) progress_.mail = part_->mail->take(stage().context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max);
-  tell(progress_);
-  std::vector<WorkSpan>().swap(progress_.spans);
+  if (share_->mail)
+    account_.set_mail(share_->mail->take(stage().context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max));
+  tell(progress);
+  account_.forget_spans();
 }
 
 }  // namespace tessera

@@ -44,9 +44,13 @@
 #include "actors/node_meter.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
+#include "actors/share_account.h"
 #include "actors/steady_actor.h"
+#include "src/exchange/followed_table.h"
+#include "src/exchange/outboxes.h"
 #include "src/exchange/schedule.h"
 #include "src/exchange/share.h"
+#include "src/exchange/tile_releases.h"
 #include "src/exchange/told_once.h"
 
 namespace tessera {
@@ -57,7 +61,7 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
  public:
   // `progress_interval` is the shortest time between two progress messages to the coordinator and the meter. It grows
   // with the number of nodes when they are many.
-  ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> part,
+  ShareActor(caf::actor_config& config, NodeId self, ShareOptions options, std::shared_ptr<const Share> share,
              CoordinatorHandle coordinator, Term term, Hooks hooks, std::chrono::milliseconds progress_interval,
              std::shared_ptr<NodeMeter> meter);
   behavior_type make_behavior() override;
@@ -67,18 +71,16 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   struct Hosted {
     TileHandle handle;
     Prepared<Leave> leave;
-    Totals totals;
-    ExchangeCounts items;
-    std::uint64_t updates = 0, microseconds = 0;
+    ShareAccount::Tile counts;
     Epoch epoch;  // the epoch by which the tile last said that it goes
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
   void open(const BeginShare& begin);
   void change_table(ChangeTable& change);
-  bool is_of_job(const RoutingTable& table, const std::vector<caf::actor>& parts) const;
+  bool is_of_job(const RoutingTable& table, const std::vector<caf::actor>& shares) const;
   Failure not_of_job() const;
-  void go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& parts);
+  void go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& shares);
   void release(const Release& wanted);
   void begin_stage(const RoutingTable& table);
   void enter_collecting();
@@ -90,18 +92,15 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void tell_stored(TileDone done);
   void obey(const FindShare& found);
   bool obeyed();
-  // Defined in share_outboxes.cc.
   void deliver(Packet& packet);
   void deliver(NodeId from, Update update);
   void keep_early(NodeId from, Update update);
   void deliver_early();
   void post(Update update);
-  void send_parcels(NodeId to);
-  void stop_for_gate(Error error);
+  void send_packets(NodeId to);
+  void stop_for_outbox(Error error);
   void give_credit(NodeId to, std::uint64_t bytes);
   void take(const Credit& credit);
-  void close_gates();
-  void end_gates();
   void take(TileReport& report);
   void take(TileStored& stored);
   void take(const TileRejoined& rejoined);
@@ -115,58 +114,41 @@ class ShareActor : public SteadyActor<ShareHandle, Pool::deciding> {
   void dispatch();
   void end();
   void tell_progress(bool now);
-  void note(Hosted& tile, Totals totals);
-  std::vector<std::uint64_t> weights_by(const RoutingTable& table) const;
   bool hosts(TileId tile) const { return hosted_.contains(tile); }
-  const ShareStage& stage() const { return part_->stages.at(table_->stage); }
+  const ShareStage& stage() const { return share_->stages.at(table_->stage); }
   // The tiles of the present stage that an earlier process has stored.
   std::span<const TileReceipt> stored_before() const {
-    if (table_->stage != part_->table->stage) return {};
-    return part_->stored;
+    if (table_->stage != share_->table->stage) return {};
+    return share_->stored;
   }
-  const std::vector<std::uint64_t>& weights() const { return *part_->weights; }
+  const std::vector<std::uint64_t>& weights() const { return *share_->weights; }
   bool opened() const { return state_ != State::waiting; }
-  bool idle() const { return opened() && rejoining_ == 0 && !failure_ && schedule_.idle(); }
-
-  // Bytes that another node has sent, and for which it has no credit yet. `held_back` is how many may be owed.
-  struct Owed {
-    std::uint64_t bytes = 0, held_back = 0;
-  };
+  bool idle() const { return opened() && table_.is_taken() && !failure_ && schedule_.idle(); }
 
   NodeId self_;
-  std::shared_ptr<const Share> part_;
-  std::shared_ptr<ActorDirectory> office_;
+  std::shared_ptr<const Share> share_;
+  std::shared_ptr<ActorDirectory> directory_;
   CoordinatorHandle coordinator_;
   Term term_;  // the coordinator's
   Schedule schedule_;
   std::map<TileId, Hosted> hosted_;
-  std::uint32_t leaving_ = 0;        // tiles that were given up and are still there
-  std::vector<TileId> given_up_;     // tiles given up of which the coordinator was not told
-  std::uint32_t releases_ = 0;       // number of Release messages to be answered
+  FollowedTable table_;
+  TileReleases releases_;
   std::optional<FindShare> finder_;  // the request that waits for its ShareFound
   std::vector<TileDone> stored_;     // a coordinator that takes over must hear these again
-  std::shared_ptr<const RoutingTable> table_;
-  bool gate_failed_ = false;                            // the scratch of an outbox could not be used
-  std::vector<Delivery> early_;                         // updates of epochs whose table is still to come
-  std::uint64_t early_bytes_ = 0;                       // of early_, as Outbox counts them
-  std::uint32_t rejoining_ = 0;                         // tiles that do not go by the table yet
-  std::shared_ptr<const IncarnationChanges> rebirths_;  // since the oldest table by which a tile goes
-  Totals totals_;                                       // sums over tiles
-  std::map<NodeId, Outbox> outboxes_;
-  std::map<NodeId, Owed> owed_;
-  ShareEnded sum_;
-  Prepared<ShareEnded> last_word_;
-  ShareProgress progress_;  // of the present stage
-  NodeWork before_;         // work done in earlier stages
-  std::chrono::milliseconds progress_interval_;
+  EarlyMail early_;
+  Outboxes outboxes_;
+  OwedCredit owed_;
+  ShareAccount account_;
   std::size_t nodes_ = 1;
-  std::chrono::steady_clock::time_point progress_told_{};
   std::shared_ptr<NodeMeter> meter_;
+  Prepared<ShareEnded> last_message_;
   std::optional<Failure> failure_;
-  // Waiting for BeginShare; at work; its last message is said.
+  // Waiting for BeginShare; at work; its last message is made.
   enum class State : std::uint8_t { waiting, open, ended };
   State state_ = State::waiting;
-  bool silent_ = false;  // the share ends without a last message
+  bool outbox_failed_ = false;  // the scratch of an outbox could not be used
+  bool silent_ = false;         // the share ends without a last message
   // What was said since the last table or coordinator; and since the last tally, that it is idle.
   ToldOnce said_;
 };

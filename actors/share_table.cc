@@ -11,13 +11,14 @@ namespace tessera {
 // Goes by the table in BeginShare and not by the one with which the share was opened, because between the two nodes may
 // be lost and another coordinator may take over. Mostly the tables are equal, and then memory holds one copy.
 void ShareActor::open(const BeginShare& begin) {
-  if (!begin.table.nodes.empty() && !is_of_job(begin.table, begin.parts)) return stop(not_of_job());
-  office_->part = caf::actor_cast<ShareHandle>(this);
-  if (!begin.table.nodes.empty() && begin.table != *table_) table_ = std::make_shared<const RoutingTable>(begin.table);
-  schedule_ = Schedule(stage().schedule, weights_by(*table_));
+  if (!begin.table.nodes.empty() && !is_of_job(begin.table, begin.shares)) return stop(not_of_job());
+  directory_->share = caf::actor_cast<ShareHandle>(this);
+  if (!begin.table.nodes.empty() && begin.table != *table_)
+    table_.set(std::make_shared<const RoutingTable>(begin.table));
+  schedule_ = Schedule(stage().schedule, weights_on(self_, *table_, weights()));
   for (const TileReceipt& stored : stored_before()) schedule_.set_stored(stored.tile);
-  progress_.tiles_stored = stored_before().size();
-  go_by(table_, begin.parts);
+  account_.begin(stored_before().size());
+  go_by(table_.shared(), begin.shares);
   state_ = State::open;
   if (begin.settled) enter_collecting();
   deliver_early();
@@ -25,66 +26,49 @@ void ShareActor::open(const BeginShare& begin) {
 
 // Nothing of the stage before is under way, because all its tiles have come to their end.
 void ShareActor::begin_stage(const RoutingTable& table) {
-  office_->hooks.tell([&] { return name_of(self_) + ": stage " + std::to_string(table.stage); });
+  directory_->hooks.tell([&] { return name_of(self_) + ": stage " + std::to_string(table.stage); });
   for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
   hosted_.clear();
-  before_.tiles_begun += progress_.tiles_begun;
-  before_.weight_begun += progress_.weight_begun;
-  before_.tiles_stored += progress_.tiles_stored - stored_before().size();
-  progress_.tiles_begun = progress_.weight_begun = progress_.tiles_stored = 0;
-  sum_.sleeps += schedule_.sleeps();
-  schedule_ = Schedule(part_->stages.at(table.stage).schedule, {});
+  account_.begin_next_stage(stored_before().size(), schedule_.sleeps());
+  schedule_ = Schedule(share_->stages.at(table.stage).schedule, {});
   stored_.clear();
-  rebirths_ = nullptr;
-  totals_ = {};
+  table_.forget_changes();
   said_.forget(ShareEvent::begun);
 }
 
-// Checks a table, because a process other than the coordinator may have sent it.
-bool ShareActor::is_of_job(const RoutingTable& table, const std::vector<caf::actor>& parts) const {
-  const std::size_t tiles = weights().size();
-  return table.nodes.size() == tiles && table.incarnations.size() == tiles && table.stage < part_->stages.size() &&
-         std::all_of(table.nodes.begin(), table.nodes.end(), [&](NodeId node) { return node.value < parts.size(); });
+bool ShareActor::is_of_job(const RoutingTable& table, const std::vector<caf::actor>& shares) const {
+  return is_table_of_job(table, weights().size(), share_->stages.size(), shares.size());
 }
 
 Failure ShareActor::not_of_job() const {
-  return failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job"));
-}
-
-// Returns the weights of the share's own tiles, and 0 for all others.
-std::vector<std::uint64_t> ShareActor::weights_by(const RoutingTable& table) const {
-  std::vector<std::uint64_t> here = weights();
-  for (std::uint32_t t = 0; t < here.size(); ++t) {
-    if (table.node_of(TileId{t}) != self_) here[t] = 0;
-  }
-  return here;
+  return failure_of(error(Errc::internal, name_of(self_) + " received a routing table that does not fit its job"));
 }
 
 // Tiles that are new on this node by the table are added. Tiles that are not on it any more were fresh, and have been
 // released.
-void ShareActor::go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& parts) {
+void ShareActor::go_by(std::shared_ptr<const RoutingTable> table, const std::vector<caf::actor>& shares) {
   auto routes = std::make_shared<Routes>();
-  nodes_ = parts.size();
+  nodes_ = shares.size();
   routes->table = table;
-  routes->rebirths = rebirths_;
-  for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<ShareHandle>(part));
+  routes->rebirths = table_.changes();
+  for (const caf::actor& share : shares) routes->shares.push_back(caf::actor_cast<ShareHandle>(share));
   for (std::uint32_t t = 0; t < weights().size(); ++t) {
     if (weights()[t] == 0 || table->node_of(TileId{t}) != self_ || hosts(TileId{t})) continue;
     Hosted& hosted = hosted_[TileId{t}];  // first: a tile that exists must be in hosted_, to be told to leave
     hosted.handle =
-        spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const ActorDirectory>(office_), table);
+        spawn<TileActor>(table->peer_of(TileId{t}), share_, std::shared_ptr<const ActorDirectory>(directory_), table);
     if (opened()) schedule_.add(TileId{t}, weights()[t]);
   }
   routes->tiles.reserve(hosted_.size());
   for (const auto& [tile, hosted] : hosted_) routes->tiles.emplace_back(tile, hosted.handle);
-  office_->set_routes(std::move(routes));
-  table_ = std::move(table);
+  directory_->set_routes(std::move(routes));
+  table_.set(std::move(table));
 }
 
 void ShareActor::change_table(ChangeTable& change) {
   if (failure_ || !opened() || change.table.epoch <= table_->epoch) return;
-  office_->hooks.tell([&] { return name_of(self_) + ": epoch " + to_string(change.table.epoch); });
-  if (!is_of_job(change.table, change.parts)) return stop(not_of_job());
+  directory_->hooks.tell([&] { return name_of(self_) + ": epoch " + to_string(change.table.epoch); });
+  if (!is_of_job(change.table, change.shares)) return stop(not_of_job());
   if (change.table.stage != table_->stage) {
     // The next stage begins when all tiles of all shares have come to the end of the stage before.
     const bool next = change.table.stage > table_->stage && schedule_.phase() == Schedule::Phase::collecting &&
@@ -97,16 +81,16 @@ void ShareActor::change_table(ChangeTable& change) {
   } else if (schedule_.phase() == Schedule::Phase::settling) {
     schedule_.enter(Schedule::Phase::exchanging);
   }
-  for (const ShareEvent word : {ShareEvent::idle, ShareEvent::settled, ShareEvent::collected}) said_.forget(word);
+  for (const ShareEvent event : {ShareEvent::idle, ShareEvent::settled, ShareEvent::collected}) said_.forget(event);
   const bool rejoins = schedule_.phase() == Schedule::Phase::exchanging;
-  if (rejoins) rebirths_ = incarnation_changes_between(*table_, change.table, std::move(rebirths_));
+  if (rejoins) table_.add_changes(change.table);
   std::vector<TileHandle> before;
   for (const auto& [tile, hosted] : hosted_) before.push_back(hosted.handle);
-  go_by(std::make_shared<const RoutingTable>(std::move(change.table)), change.parts);
-  close_gates();
+  go_by(std::make_shared<const RoutingTable>(std::move(change.table)), change.shares);
+  const auto routes = directory_->routes();
+  outboxes_.clear_unless([&](NodeId node) { return routes->share_of(node) != nullptr; });
   if (rejoins) {
-    rejoining_ = static_cast<std::uint32_t>(before.size());
-    if (before.empty()) rebirths_ = nullptr;
+    table_.wait_for(static_cast<std::uint32_t>(before.size()));
     for (const TileHandle& tile : before) send(tile, Rejoin{});
   }
   deliver_early();
@@ -116,34 +100,31 @@ void ShareActor::take(const TileRejoined& rejoined) {
   const auto found = hosted_.find(rejoined.tile);
   if (found == hosted_.end()) return;  // given up since it sent this
   Hosted& tile = found->second;
-  note(tile, {rejoined.sent, rejoined.processed});
+  account_.note(tile.counts, Totals{rejoined.sent, rejoined.processed});
   const MailNotice& mail = rejoined.waiting;
   schedule_.mail(rejoined.tile, {mail.updates, mail.bytes, mail.memory, mail.hops});
-  // When two tables follow each other, a tile may say twice that it goes by the second one.
-  if (rejoined.epoch == table_->epoch && std::exchange(tile.epoch, rejoined.epoch) != rejoined.epoch) --rejoining_;
-  if (rejoining_ == 0) rebirths_ = nullptr;
+  table_.take(tile.epoch, rejoined.epoch);
 }
 
 // The mail of released tiles goes with them. Their next incarnations are told all of it again.
 void ShareActor::release(const Release& wanted) {
   std::vector<TileId> released;
-  const bool can = !failure_ && opened() && rejoining_ == 0 && schedule_.phase() != Schedule::Phase::settling &&
+  const bool can = !failure_ && opened() && table_.is_taken() && schedule_.phase() != Schedule::Phase::settling &&
                    schedule_.phase() != Schedule::Phase::handing;
   if (can) released = schedule_.release(wanted.weight);
   for (const TileId tile : released) {
     const auto hosted = hosted_.find(tile);
     send(hosted->second.handle, Leave{true});
-    note(hosted->second, {});
+    account_.note(hosted->second.counts, Totals{});
     hosted_.erase(hosted);
-    given_up_.push_back(tile);
-    ++leaving_;
+    releases_.give_up(tile);
   }
-  ++releases_;
+  releases_.ask();
   answer_if_left();
 }
 
 void ShareActor::take(const TileLeft&) {
-  --leaving_;
+  releases_.leave();
   answer_if_left();
 }
 
@@ -152,26 +133,25 @@ void ShareActor::take(const TileLeft&) {
 // exchanges again, but there is no new table before some node takes the tiles of the lost one.
 void ShareActor::hand_over() {
   if (failure_ || !opened() || schedule_.phase() > Schedule::Phase::settling) return;
-  office_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
+  directory_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
   schedule_.enter(Schedule::Phase::handing);
 }
 
-// A tile that is about to leave may still write to the scratch that its next incarnation on this node would use. So the
-// share answers when all such tiles have left.
+// Answers what was asked once no tile is about to leave (src/exchange/tile_releases.h).
 void ShareActor::answer_if_left() {
-  if (leaving_ > 0) return;
-  for (; releases_ > 0; --releases_) tell(ShareReleased{self_, std::exchange(given_up_, {})});
+  if (!releases_.all_have_left()) return;
+  while (std::optional<std::vector<TileId>> tiles = releases_.answer()) tell(ShareReleased{self_, std::move(*tiles)});
   // A coordinator that takes over then finds no share here. The images say that the tiles were handed over.
   if (!finder_ || schedule_.phase() == Schedule::Phase::handing) return;
   ShareFound answer;
   answer.term = term_;
   answer.node = finder_->node;
-  answer.part = caf::actor_cast<caf::actor>(this);
+  answer.share = caf::actor_cast<caf::actor>(this);
   answer.self = self_;
   answer.begun = opened();
   answer.table = *table_;
   answer.threads = stage().schedule.threads;
-  answer.memory_bytes = office_->options.memory_bytes;
+  answer.memory_bytes = directory_->options.memory_bytes;
   answer.name = finder_->name;
   for (std::uint32_t t = 0; opened() && t < weights().size(); ++t) {
     if (table_->node_of(TileId{t}) == self_ && weights()[t] > 0 && !hosts(TileId{t})) {
@@ -196,8 +176,7 @@ void ShareActor::obey(const FindShare& found) {
   coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
   monitor(coordinator_);
   said_.forget_all();
-  releases_ = 0;
-  given_up_.clear();
+  releases_.forget_asked();
   finder_ = found;
   answer_if_left();
 }
@@ -206,8 +185,8 @@ void ShareActor::obey(const FindShare& found) {
 void ShareActor::lost_coordinator(const caf::down_msg& down) {
   if (!coordinator_ || down.source != coordinator_.address()) return;
   coordinator_ = nullptr;
-  if (office_->options.grace_s == 0 || failure_) return stop(lost("the coordinator", down.reason));
-  delayed_send(this, std::chrono::seconds(office_->options.grace_s), GraceOver{term_});
+  if (directory_->options.grace_s == 0 || failure_) return stop(lost("the coordinator", down.reason));
+  delayed_send(this, std::chrono::seconds(directory_->options.grace_s), GraceOver{term_});
 }
 
 }  // namespace tessera

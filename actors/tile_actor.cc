@@ -28,8 +28,8 @@ std::string name_of(TileId tile) { return "tile " + std::to_string(tile.value); 
 // over.
 class StoredNotice {
  public:
-  StoredNotice(ShareHandle part, TileId tile)
-      : part_(std::move(part)), prepared_(std::make_shared<Prepared<TileStored>>()) {
+  StoredNotice(ShareHandle share, TileId tile)
+      : share_(std::move(share)), prepared_(std::make_shared<Prepared<TileStored>>()) {
     prepared_->message().tile = tile;
   }
   void operator()(Result<Receipt> stored) const noexcept {
@@ -39,25 +39,25 @@ class StoredNotice {
     } else {
       message.failure = failure_of(std::move(stored).error());
     }
-    prepared_->say(part_);
+    prepared_->say(share_);
   }
 
  private:
-  ShareHandle part_;
+  ShareHandle share_;
   std::shared_ptr<Prepared<TileStored>> prepared_;  // shared, because a std::function is copied
 };
 
 }  // namespace
 
-TileActor::TileActor(caf::actor_config& config, TileIncarnation self, std::shared_ptr<const Share> part,
-                     std::shared_ptr<const ActorDirectory> office, const std::shared_ptr<const RoutingTable>& table)
+TileActor::TileActor(caf::actor_config& config, TileIncarnation self, std::shared_ptr<const Share> share,
+                     std::shared_ptr<const ActorDirectory> directory, const std::shared_ptr<const RoutingTable>& table)
     : SteadyActor(config),
       self_(self),
-      part_(std::move(part)),
-      office_(std::move(office)),
-      life_(self, part_->stages.at(table->stage).context, table) {
-  live_at(office_->hooks.home);
-  last_word_.message().tile = self.tile;
+      share_(std::move(share)),
+      directory_(std::move(directory)),
+      life_(self, share_->stages.at(table->stage).context, table) {
+  live_at(directory_->hooks.home);
+  last_message_.message().tile = self.tile;
 }
 
 // Tile and directory refer to each other. A tile that has ended must not keep the others alive.
@@ -65,8 +65,8 @@ void TileActor::on_exit() {
   if (!left_) fail(ended_unexpectedly());
   life_.drop();
   finished_.reset();
-  office_ = nullptr;
-  part_ = nullptr;
+  directory_ = nullptr;
+  share_ = nullptr;
 }
 
 void TileActor::failed(const std::exception_ptr& exception) noexcept {
@@ -75,8 +75,8 @@ void TileActor::failed(const std::exception_ptr& exception) noexcept {
 
 void TileActor::fail(Failure failure) noexcept {
   if (!std::exchange(left_, true)) {
-    last_word_.message().failure = std::move(failure);
-    last_word_.say(office_->part);
+    last_message_.message().failure = std::move(failure);
+    last_message_.say(directory_->share);
   }
   quit();
 }
@@ -88,23 +88,23 @@ TileActor::behavior_type TileActor::make_behavior() {
   return {
       [this](Delivery& delivery) {
         Update& update = delivery.update;
-        office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(update); });
+        directory_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(update); });
         const std::uint64_t weight = Outbox::bytes_of(update);
         if (Status kept = life_.receive(std::move(update)); !kept) return fail(failure_of(std::move(kept).error()));
-        if (delivery.from != office_->self) send(office_->part, Taken{delivery.from, weight});
+        if (delivery.from != directory_->self) send(directory_->share, Taken{delivery.from, weight});
         const std::uint64_t bytes = life_.mail_memory();
         const std::uint32_t hops = life_.waiting_hops();
         if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes && hops == hops_told_) return;
         bytes_told_ = bytes;
         hops_told_ = hops;
-        send(office_->part, waiting());
+        send(directory_->share, waiting());
       },
       [this](const Permit& permit) { work(permit.work); },
       [this](const Rejoin&) { rejoin(); },
       [this](const Leave& leave) {
         if (leave.given_up) {
           if (Status left = life_.leave(); !left) return fail(failure_of(std::move(left).error()));
-          send(office_->part, TileLeft{self_.tile});
+          send(directory_->share, TileLeft{self_.tile});
         }
         left_ = true;
         quit();
@@ -118,7 +118,7 @@ MailNotice TileActor::waiting() const {
 
 void TileActor::work(Work work) {
   const auto since_opened = [&] {
-    const auto elapsed = std::chrono::steady_clock::now() - office_->opened;
+    const auto elapsed = std::chrono::steady_clock::now() - directory_->opened;
     return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(elapsed).count());
   };
   TileReport report;
@@ -133,9 +133,9 @@ void TileActor::work(Work work) {
   } catch (...) {
     // Caught here, because an actor that ends by an exception says little, and its permit would never come back.
     report.failure =
-        failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
+        failure_of(std::current_exception(), [&] { return name_of(self_.tile) + " (work: " + name_of(work) + ")"; });
   }
-  part_->heap_trim.worked_on(std::max(before, life_.memory()) + (finished_ ? finished_->bytes() : 0));
+  share_->heap_trim.worked_on(std::max(before, life_.memory()) + (finished_ ? finished_->bytes() : 0));
   report.span.end_us = since_opened();
   // The updates were posted before, so what is under way counts as sent before the share can ask.
   const Totals totals = life_.totals();
@@ -150,28 +150,28 @@ void TileActor::work(Work work) {
   told_ = report.waiting.updates > 0;
   bytes_told_ = report.waiting.bytes;
   hops_told_ = report.waiting.hops;
-  send(office_->part, std::move(report));
+  send(directory_->share, std::move(report));
   if (finished_) store();
 }
 
 void TileActor::post_outgoing() {
   for (Update& update : life_.take_outgoing()) {
-    office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(update); });
-    if (part_->mail) part_->mail->add(update.from.tile, update.to.tile, update.message.size());
-    office_->post(this, std::move(update));
+    directory_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(update); });
+    if (share_->mail) share_->mail->add(update.from.tile, update.to.tile, update.message.size());
+    directory_->post(this, std::move(update));
   }
 }
 
 // What other tiles must be told again waits for the next step, so a sleeping tile stays asleep until there is room.
 void TileActor::rejoin() {
-  const auto routes = office_->routes();
+  const auto routes = directory_->routes();
   life_.rejoin(routes->table, routes->rebirths.get());
   post_outgoing();
   const Totals totals = life_.totals();
-  send(office_->part, TileRejoined{self_.tile, routes->table->epoch, totals.sent, totals.processed, waiting()});
+  send(directory_->share, TileRejoined{self_.tile, routes->table->epoch, totals.sent, totals.processed, waiting()});
 }
 
-void TileActor::store() { std::exchange(finished_, nullptr)->store(StoredNotice(office_->part, self_.tile)); }
+void TileActor::store() { std::exchange(finished_, nullptr)->store(StoredNotice(directory_->share, self_.tile)); }
 
 Status TileActor::perform(Work work) {
   switch (work) {

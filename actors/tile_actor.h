@@ -30,8 +30,8 @@ namespace tessera {
 
 class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
  public:
-  TileActor(caf::actor_config& config, TileIncarnation self, std::shared_ptr<const Share> part,
-            std::shared_ptr<const ActorDirectory> office, const std::shared_ptr<const RoutingTable>& table);
+  TileActor(caf::actor_config& config, TileIncarnation self, std::shared_ptr<const Share> share,
+            std::shared_ptr<const ActorDirectory> directory, const std::shared_ptr<const RoutingTable>& table);
   behavior_type make_behavior() override;
   void on_exit() override;
 
@@ -46,10 +46,10 @@ class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
   MailNotice waiting() const;
 
   TileIncarnation self_;
-  std::shared_ptr<const Share> part_;
-  std::shared_ptr<const ActorDirectory> office_;
+  std::shared_ptr<const Share> share_;
+  std::shared_ptr<const ActorDirectory> directory_;
   TileLife life_;
-  Prepared<TileFailed> last_word_;
+  Prepared<TileFailed> last_message_;
   std::unique_ptr<Finished> finished_;  // not yet handed to the storage
   std::uint64_t bytes_told_ = 0;        // memory of the waiting mail, as the share was told
   std::uint32_t hops_told_ = 0;

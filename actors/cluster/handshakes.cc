@@ -64,10 +64,10 @@ std::string peer_of(const SSL* ssl) {
 }
 
 std::string date_of(const ASN1_TIME* time) {
-  std::tm parts{};
-  if (ASN1_TIME_to_tm(time, &parts) != 1) return "a date that cannot be read";
+  std::tm date{};
+  if (ASN1_TIME_to_tm(time, &date) != 1) return "a date that cannot be read";
   std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%F %H:%M UTC", &parts);
+  std::strftime(text.data(), text.size(), "%F %H:%M UTC", &date);
   return text.data();
 }
 
@@ -98,13 +98,13 @@ std::string wrong_with(int reason, const X509* own, const X509* certificate) {
       return "its certificate " + name_of(X509_get_subject_name(own)) + " is of another authority, " +
              name_of(X509_get_issuer_name(own));
     default:
-      return name + "cannot be believed: " + X509_verify_cert_error_string(reason);
+      return name + "is not valid: " + X509_verify_cert_error_string(reason);
   }
 }
 
 std::string refused(const SSL* ssl) {
   return SSL_is_server(ssl) == 1 ? "a connection from " + peer_of(ssl) + " is refused: "
-                                 : peer_of(ssl) + " is not spoken to: ";
+                                 : "the connection to " + peer_of(ssl) + " is refused: ";
 }
 
 int look(int fits, X509_STORE_CTX* verification) {
@@ -128,7 +128,7 @@ const char* refused_by_other(int reason) {
     case SSL_R_SSLV3_ALERT_BAD_CERTIFICATE:
     case SSL_R_SSLV3_ALERT_CERTIFICATE_UNKNOWN:
     case SSL_R_SSLV3_ALERT_UNSUPPORTED_CERTIFICATE:
-      return "it is not believed";
+      return "it is not valid";
     default:
       return nullptr;
   }
@@ -148,7 +148,7 @@ void note_failure(SSL* ssl) {
   if (const char* why = refused_by_other(reason)) {
     troubles().add(peer_of(ssl) + " refuses the certificate of this node: " + why);
   } else if (reason == SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE) {
-    troubles().add(refused(ssl) + "it shows no certificate");
+    troubles().add(refused(ssl) + "it has shown no certificate");
   }
 }
 

@@ -25,8 +25,8 @@ void Member::on_exit() {
 }
 
 void Member::failed(const std::exception_ptr& exception) noexcept {
-  options_.cluster.expelled(failure_of(exception, [] { return std::string("a node's place in the cluster"); }).text,
-                            true);
+  options_.cluster.expelled(
+      failure_of(exception, [] { return std::string("the membership of this node in the cluster"); }).text, true);
 }
 
 Member::behavior_type Member::make_behavior() {
@@ -59,7 +59,7 @@ Member::behavior_type Member::make_behavior() {
       [this](const Expelled& expelled) { expel(expelled); },
       [this](const AskToLeave&) { leave(); },
       [this](const Leave&) { quit(); },
-      [this](const AskPlace&) { return place(); },
+      [this](const AskStatus&) { return membership_status(); },
       [this](caf::tick_atom) { renew(); },
       [this](caf::connect_atom) { seek(); },
   };
@@ -78,7 +78,7 @@ void Member::seek() {
   if (to_ask_.empty()) {
     auto addresses = addresses_of(join[next_name_++ % join.size()]);
     if (!addresses) {
-      tell_trouble("nobody of the cluster is reached yet: " + addresses.error().where);
+      tell_trouble("no node of the cluster can be reached yet: " + addresses.error().where);
       return seek_later();
     }
     to_ask_.assign(addresses.value().begin(), addresses.value().end());
@@ -104,7 +104,7 @@ void Member::ask(const HostPort& address) {
         seek_later();  // for the case that no answer comes
       },
       [this, address](const std::string& reason) {
-        tell_trouble("nobody of the cluster is reached at " + to_string(address) + " yet: " + reason +
+        tell_trouble("no node of the cluster can be reached at " + to_string(address) + " yet: " + reason +
                      own_certificate());
         seek_later();
       });
@@ -179,13 +179,15 @@ void Member::reached(const NodeUuid& uuid, const caf::actor& door) {
 
 void Member::renew() {
   if (const auto closed = close_mute_connections(options_.cluster.lease); closed > 0)
-    options_.cluster.log(std::to_string(closed) + " connections were closed, over which nothing was said");
+    options_.cluster.log(std::to_string(closed) + " connections were closed because no message came over them");
   delayed_send(this, options_.cluster.lease / ticks_a_lease, caf::tick_atom::value);
   for (const std::string& trouble : take_handshake_troubles()) options_.cluster.log(trouble);
   if (leaves_) leave();
   if (state_ == State::seeking) return;
   if (Clock::now() - answered_ > options_.cluster.lease) {
-    options_.cluster.log("the cluster's coordinator has not been heard of for the lease: its tiles go on meanwhile");
+    options_.cluster.log(
+        "the cluster's coordinator has been silent for longer than the lease: this node goes on with its tiles "
+        "meanwhile");
     return lost_registry();
   }
   if (state_ != State::member) return;
@@ -207,7 +209,7 @@ void Member::ask_others() {
   }
   answered_since_ = false;
   for (const NodeUuid& uuid : silent) {
-    options_.cluster.log("node at " + doors_[uuid].address + " has not been heard of for the lease");
+    options_.cluster.log("node at " + doors_[uuid].address + " has been silent for longer than the lease");
     do_without(uuid);
   }
 }
@@ -254,7 +256,7 @@ void Member::lost_registry() {
 
 void Member::leave() {
   if (expelled_) return;
-  if (!std::exchange(leaves_, true)) options_.cluster.log("leaves the cluster: its tiles go to others");
+  if (!std::exchange(leaves_, true)) options_.cluster.log("this node leaves the cluster: its tiles go to other nodes");
   if (state_ == State::member) send(registry_, Leaving{options_.info.uuid, options_.jobs()});
   leave_unheard();
 }
@@ -262,27 +264,27 @@ void Member::leave() {
 // The next coordinator would have nothing to take from this node.
 void Member::leave_unheard() {
   if (leaves_ && state_ == State::seeking && options_.jobs() == 0)
-    expel({"had nothing that others would go on with", false});
+    expel({"had no tiles that other nodes would continue", false});
 }
 
-NodePlace Member::place() const {
-  NodePlace place;
-  place.member = state_ == State::member && !expelled_;
-  place.leaves = leaves_;
-  place.others = static_cast<std::uint64_t>(
+NodePlace Member::membership_status() const {
+  NodePlace status;
+  status.member = state_ == State::member && !expelled_;
+  status.leaves = leaves_;
+  status.others = static_cast<std::uint64_t>(
       std::count_if(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second.handle != nullptr; }));
-  place.silent_ms = static_cast<std::uint64_t>(
+  status.silent_ms = static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - answered_).count());
   if (expelled_) {
-    place.trouble = "no member of the cluster any more";
+    status.trouble = "no member of the cluster any more";
   } else if (leaves_) {
-    place.trouble = "leaves the cluster";
+    status.trouble = "leaves the cluster";
   } else if (state_ == State::greeting) {
-    place.trouble = "the cluster's coordinator has not answered yet";
+    status.trouble = "the cluster's coordinator has not answered yet";
   } else if (state_ == State::seeking) {
-    place.trouble = "looks for the cluster's coordinator" + (last_trouble_.empty() ? "" : ": " + last_trouble_);
+    status.trouble = "looks for the cluster's coordinator" + (last_trouble_.empty() ? "" : ": " + last_trouble_);
   }
-  return place;
+  return status;
 }
 
 void Member::expel(const Expelled& expelled) {

@@ -10,7 +10,7 @@
 // any      | coordinator is gone | go on with its tiles, and look for another coordinator                  | seeking
 // any      | another node is gone, or cannot be reached | Unreachable to the coordinator; do without that node
 // member   | another node has not answered for the lease, in which the coordinator has | the same
-// any      | AskPlace            | answer with the node's state                                            |
+// any      | AskStatus           | answer with the node's state                                            |
 // any      | AskToLeave          | Leaving to the coordinator, now and at every tick, and to those after it; without a
 //          |                     | coordinator, and without anything that others could go on with, the process ends
 // any      | Expelled            | the process must begin anew, or end                                     | ended
@@ -69,7 +69,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void leave();
   void leave_unheard();
   void expel(const Expelled& expelled);
-  NodePlace place() const;
+  NodePlace membership_status() const;
 
   MemberOptions options_;
   State state_ = State::seeking;

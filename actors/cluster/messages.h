@@ -87,12 +87,12 @@ struct MemberList {
 };
 
 // the process -> its own node: what is the node's membership?
-struct AskPlace {};
+struct AskStatus {};
 
 using MemberHandle =
     caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
                      caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
-                     caf::reacts_to<AskToLeave>, caf::reacts_to<Leave>, caf::replies_to<AskPlace>::with<NodePlace>,
+                     caf::reacts_to<AskToLeave>, caf::reacts_to<Leave>, caf::replies_to<AskStatus>::with<NodePlace>,
                      caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
 using RegistryHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>,
                                         caf::reacts_to<Renew>, caf::reacts_to<Unreachable>, caf::reacts_to<Leaving>,
@@ -118,7 +118,7 @@ TESSERA_MESSAGE(Leaving, x.uuid, x.jobs)
 }  // namespace tessera
 
 TESSERA_STAYS_HERE(tessera::AskMembers)
-TESSERA_STAYS_HERE(tessera::AskPlace)
+TESSERA_STAYS_HERE(tessera::AskStatus)
 TESSERA_STAYS_HERE(tessera::Drain)
 TESSERA_STAYS_HERE(tessera::Drained)
 TESSERA_STAYS_HERE(tessera::Follow)

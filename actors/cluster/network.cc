@@ -86,13 +86,13 @@ Mute& mute() {
 
 // Returns the frame counter of a connection, which is destroyed with the connection.
 tessera::IncomingFrames& frames_of(SSL* ssl) {
-  static const int place =
+  static const int index =
       SSL_get_ex_new_index(0, nullptr, nullptr, nullptr, [](void*, void* frames, CRYPTO_EX_DATA*, int, long, void*) {
         delete static_cast<tessera::IncomingFrames*>(frames);
       });
-  if (void* known = SSL_get_ex_data(ssl, place)) return *static_cast<tessera::IncomingFrames*>(known);
+  if (void* known = SSL_get_ex_data(ssl, index)) return *static_cast<tessera::IncomingFrames*>(known);
   auto* const frames = new tessera::IncomingFrames;
-  SSL_set_ex_data(ssl, place, frames);
+  SSL_set_ex_data(ssl, index, frames);
   return *frames;
 }
 

@@ -29,7 +29,7 @@ void Registry::on_exit() {
 
 void Registry::failed(const std::exception_ptr& exception) noexcept {
   options_.log(failure_of(exception, [] { return std::string("the cluster's coordinator"); }).text);
-  options_.expelled("the cluster's coordinator came to an unexpected end", true);
+  options_.expelled("the cluster's coordinator ended unexpectedly", true);
 }
 
 Registry::behavior_type Registry::make_behavior() {
@@ -69,8 +69,9 @@ Registry::behavior_type Registry::make_behavior() {
 
 std::string Registry::refusal(const Hello& hello) const {
   if (hello.wire != wire_version) {
-    return "it speaks version " + std::to_string(hello.wire) + " between nodes, the coordinator " +
-           std::to_string(wire_version) + ": install the same release on all nodes";
+    return "its messages between nodes have version " + std::to_string(hello.wire) +
+           ", those of the coordinator version " + std::to_string(wire_version) +
+           ": install the same release on all nodes";
   }
   if (hello.cluster != options_.name)
     return "it belongs to the cluster '" + hello.cluster + "', the coordinator to '" + options_.name + "'";
@@ -145,7 +146,7 @@ Drained Registry::drain(const std::string& node) {
   const bool other = std::any_of(all.begin(), all.end(), [&](const auto& entry) {
     return entry.first != wanted->first && entry.second.free && !leaving_.contains(entry.first);
   });
-  if (!other) return {true, "it is the only node that is free for work: start another one first"};
+  if (!other) return {true, "it is the only node that is free for work: start another node first"};
   begin_leaving(NodeUuid(wanted->first));
   return {true, {}};
 }
@@ -154,7 +155,7 @@ Drained Registry::drain(const std::string& node) {
 // works for no job, because jobs of an earlier coordinator may be still to come, and have begun tiles there.
 void Registry::begin_leaving(const NodeUuid& uuid) {
   if (!leaving_.try_emplace(uuid).second) return;
-  options_.log(known_as(members_.find(uuid)->info) + " leaves: what it has goes to others");
+  options_.log(known_as(members_.find(uuid)->info) + " leaves: its tiles go to other nodes");
   for (const FollowerHandle& job : std::set(jobs_)) ask_to_let(uuid, job);
   send(actors_.at(uuid).member, AskToLeave{});
 }
@@ -202,7 +203,7 @@ void Registry::gone(const caf::down_msg& down) {
 
 void Registry::tick() {
   if (const auto closed = close_mute_connections(options_.lease); closed > 0)
-    options_.log(std::to_string(closed) + " connections were closed, over which nothing was said");
+    options_.log(std::to_string(closed) + " connections were closed because no message came over them");
   for (const std::string& trouble : take_handshake_troubles()) options_.log(trouble);
   delayed_send(this, options_.lease / 10, caf::tick_atom::value);
   for (const Members::Loss& loss : members_.lose_silent(Clock::now())) lose(loss);

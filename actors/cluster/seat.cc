@@ -80,14 +80,14 @@ MemberList Seat::list() const {
   return list;
 }
 
-NodePlace Seat::place() const {
+NodePlace Seat::membership_status() const {
   caf::scoped_actor self{*system_, true};
-  NodePlace place;
-  place.trouble = "leaves the cluster";
-  self->request(member_, caf::infinite, AskPlace{})
+  NodePlace status;
+  status.trouble = "leaves the cluster";
+  self->request(member_, caf::infinite, AskStatus{})
       // On an error the member is ending.
-      .receive([&](NodePlace& answer) { place = std::move(answer); }, [](const caf::error&) {});
-  return place;
+      .receive([&](NodePlace& answer) { status = std::move(answer); }, [](const caf::error&) {});
+  return status;
 }
 
 void Seat::depart() const { caf::anon_send(member_, AskToLeave{}); }
@@ -108,8 +108,8 @@ std::vector<NodeHandle> Seat::nodes(bool all, const std::stop_token& stop) const
     std::vector<NodeHandle> nodes;
     const MemberList now = list();
     for (std::size_t i = 0; i < now.members.size(); ++i) {
-      const bool may_have_parts = all && now.members[i].leaves;
-      if (now.members[i].free || may_have_parts) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
+      const bool may_have_shares = all && now.members[i].leaves;
+      if (now.members[i].free || may_have_shares) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
     }
     if (!nodes.empty() && !(all && gathering())) return nodes;
     stopped.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });

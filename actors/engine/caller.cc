@@ -56,7 +56,8 @@ void RunCaller::progressed(const RunProgress& now) { show(now, opened_s_, progre
 void RunCaller::stored(const TileDone& done) {
   const auto entry = tile_entry_of(done.tile.receipt);
   if (!entry || entry->tile != done.tile.tile) {
-    throw std::runtime_error("tile " + std::to_string(done.tile.tile.value) + ": what a node says of it is no entry");
+    throw std::runtime_error("tile " + std::to_string(done.tile.tile.value) +
+                             ": a node sent an entry for it that cannot be read");
   }
   done_.push_back({*entry, done.microseconds});
   progress_.map.reached(entry->tile, TileStage::stored);

@@ -83,25 +83,25 @@ Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, cons
   for (const InputSplit& split : splits) options.here.push_back(split.here);
   const auto nodes = seat_.nodes(false, stop);
   if (nodes.empty()) return error(Errc::interrupted, "interrupted while points were routed");
-  LocalSplitQueue desk(progress);
+  LocalSplitQueue queue(progress);
   Prepared<Cancel> cancel, cancel_by_user;
-  const auto router = system_.spawn<Router>(std::move(options), desk, nodes);
-  // The router refers to `desk` until it has ended, so it is cancelled and waited for, also after an exception.
+  const auto router = system_.spawn<Router>(std::move(options), queue, nodes);
+  // The router refers to `queue` until it has ended, so it is cancelled and waited for, also after an exception.
   struct Ending {
     ~Ending() {
       cancel.say(router);
-      desk.end();
+      queue.end();
     }
-    LocalSplitQueue& desk;
+    LocalSplitQueue& queue;
     Prepared<Cancel>& cancel;
     const RouterHandle& router;
-  } const ending{desk, cancel, router};
+  } const ending{queue, cancel, router};
   seat_.follow(router);
   {
     const std::stop_callback when_stopped(stop, [&] { cancel_by_user.say(router); });
-    while (const auto here = desk.next()) {
+    while (const auto here = queue.next()) {
       if (!here->why.empty())
-        seat_.options().log("a node cannot route a part of the input, which is routed here: " + here->why);
+        seat_.options().log("a node cannot route an input split, so this process routes it: " + here->why);
       SplitRouted routed;
       routed.attempt = here->attempt;
       routed.done = true;
@@ -112,7 +112,7 @@ Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, cons
       caf::anon_send(router, std::move(routed));
     }
   }
-  LocalSplitQueue::End end = desk.end();
+  LocalSplitQueue::End end = queue.end();
   if (end.failure) return error_of(std::move(end.failure));
   return std::move(end.attempts);
 }

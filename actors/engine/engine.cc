@@ -86,7 +86,7 @@ struct Engine::Impl {
   // `again` is set as in RunEnded.
   Result<RunSummary> run(const RoutedCloud& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, const std::stop_token& stop, bool& again);
-  Status run(const ResultJob& result_job, const std::function<void(double)>& part, Progress& progress,
+  Status run(const ResultJob& result_job, const std::function<void(double)>& fraction, Progress& progress,
              const std::stop_token& stop, bool& again);
   // Sets what all jobs have in common, and returns the nodes with which the job begins.
   Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const std::stop_token& stop);
@@ -199,14 +199,14 @@ Result<RunSummary> Engine::Impl::run(const RoutedCloud& run, const std::filesyst
     if (run.tile_points[t] > 0) job.order.push_back(TileId{t});
   }
   // Tiles of one node are to be near each other, so that most neighbours are on the same node.
-  const HilbertKey key(run.bounds, run.dimension);
-  std::vector<std::uint64_t> place(run.tile_points.size());
+  const HilbertKey key_of(run.bounds, run.dimension);
+  std::vector<std::uint64_t> keys(run.tile_points.size());
   for (const TileId t : job.order) {
     const Bounds& b = run.tile_bounds[t.value];
-    place[t.value] = key({b.lo.x / 2 + b.hi.x / 2, b.lo.y / 2 + b.hi.y / 2, b.lo.z / 2 + b.hi.z / 2});
+    keys[t.value] = key_of({b.lo.x / 2 + b.hi.x / 2, b.lo.y / 2 + b.hi.y / 2, b.lo.z / 2 + b.hi.z / 2});
   }
   std::stable_sort(job.order.begin(), job.order.end(),
-                   [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
+                   [&](TileId a, TileId b) { return keys[a.value] < keys[b.value]; });
   job.stored = [out](std::uint32_t) { return receipts_of(out, [](TileId) { return true; }); };
   job.weight_max = [dimension = run.dimension, kernel = options.kernel](std::uint32_t own, std::uint64_t bytes) {
     return budget::tile_points_max(dimension, kernel, own, bytes);
@@ -231,7 +231,7 @@ Result<RunSummary> Engine::Impl::run(const RoutedCloud& run, const std::filesyst
   return caller.summary(end);
 }
 
-Status Engine::Impl::run(const ResultJob& wanted, const std::function<void(double)>& part, Progress& progress,
+Status Engine::Impl::run(const ResultJob& wanted, const std::function<void(double)>& fraction, Progress& progress,
                          const std::stop_token& stop, bool& again) {
   BOOST_OUTCOME_TRY(stages, source->results.kind(wanted.kind));
   BOOST_OUTCOME_TRY(result, TileSource::open(wanted.result));
@@ -252,7 +252,7 @@ Status Engine::Impl::run(const ResultJob& wanted, const std::function<void(doubl
   };
   BOOST_OUTCOME_TRY(nodes, prepare(job, stop));
 
-  StagesCaller caller(job.spec.table.stage, job.stages, job.order.size(), part, progress);
+  StagesCaller caller(job.spec.table.stage, job.stages, job.order.size(), fraction, progress);
   RunEnded end;
   Lent lent(wanted);
   {
@@ -279,7 +279,7 @@ Result<std::unique_ptr<Engine>> Engine::join(std::uint32_t threads, std::uint64_
   own.threads = threads;
   own.memory_bytes = memory_bytes;
   own.memory_used = [used = impl->used] { return used->load(); };
-  own.jobs = [meter = impl->meter] { return meter->now().parts; };
+  own.jobs = [meter = impl->meter] { return meter->now().shares; };
   BOOST_OUTCOME_TRYV(impl->seat->take(impl->system, own));
   return std::unique_ptr<Engine>(new Engine(std::move(impl)));
 }
@@ -295,12 +295,12 @@ Result<RunSummary> Engine::run(const RoutedCloud& run, const std::filesystem::pa
   return summary;
 }
 
-Status Engine::run(const ResultJob& job, const std::function<void(double)>& part, Progress& progress,
+Status Engine::run(const ResultJob& job, const std::function<void(double)>& fraction, Progress& progress,
                    std::stop_token stop) {
   bool again = false;
-  Status ended = impl_->run(job, part, progress, stop, again);
-  if (again) ended = impl_->run(job, part, progress, stop, again);
-  if (ended && part) part(1);
+  Status ended = impl_->run(job, fraction, progress, stop, again);
+  if (again) ended = impl_->run(job, fraction, progress, stop, again);
+  if (ended && fraction) fraction(1);
   return ended;
 }
 
@@ -331,7 +331,7 @@ NodeWork Engine::work() const { return impl_->meter->now(); }
 
 std::uint64_t Engine::memory_used() const { return impl_->used->load(); }
 
-NodePlace Engine::place() const { return impl_->seat->place(); }
+NodePlace Engine::membership_status() const { return impl_->seat->membership_status(); }
 
 void Engine::depart() const { impl_->seat->depart(); }
 

@@ -49,9 +49,9 @@ class Engine {
   Result<RunSummary> run(const RoutedCloud& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, std::stop_token stop);
 
-  // Runs a job over the tiles of a result: all its stages, one after the other. `part` is told the fraction that is
-  // done, from 0 to 1. The outcome is in the job's run folder. Otherwise as the other run().
-  Status run(const ResultJob& job, const std::function<void(double part)>& part, Progress& progress,
+  // Runs a job over the tiles of a result: all its stages, one after the other. `fraction` is told how much is done,
+  // from 0 to 1. The outcome is in the job's run folder. Otherwise as the other run().
+  Status run(const ResultJob& job, const std::function<void(double)>& fraction, Progress& progress,
              std::stop_token stop);
 
   // Returns what routes large inputs on other nodes; null when there is no cluster. The engine outlives it.
@@ -69,7 +69,7 @@ class Engine {
   // Memory that is reserved for this node's shares: as much as they may use.
   std::uint64_t memory_used() const;
   // REQUIRES: this process is a node of a cluster.
-  NodePlace place() const;
+  NodePlace membership_status() const;
   // Leaves the cluster in order, whatever process coordinates it by then: the node takes no more work, and other nodes
   // go on with its tiles. ClusterOptions::expelled is called when they can do so, or when there is no coordinator and
   // nothing that others could go on with.

@@ -112,10 +112,10 @@ class Life final : private Misfortune {
   std::map<NodeId, NodeHandle> nodes_;
   std::set<NodeId> given_up_;  // also nodes that no coordinator begins with
   std::set<NodeId> leaving_;   // of the other nodes; each coordinator is told of them
-  // The coordinator in office began without nodes. It is not told of nodes that cannot be used, because such a node
+  // The present coordinator began without nodes. It is not told of nodes that cannot be used, because such a node
   // would be the only one that it has.
   bool began_alone_ = false;
-  std::vector<CoordinatorHandle> coordinators_;  // the last one is in office
+  std::vector<CoordinatorHandle> coordinators_;  // the last one is the present one
 };
 
 }  // namespace tessera

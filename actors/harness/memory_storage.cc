@@ -45,14 +45,14 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
   Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write, node_, what));
-    all_.scratch_[place_of(node_, stage_, tile, what)] = {{{bytes.begin(), bytes.end()}}, false};
+    all_.scratch_[key_of(node_, stage_, tile, what)] = {{{bytes.begin(), bytes.end()}}, false};
     return success();
   }
 
   Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::append, node_, what));
-    all_.scratch_[place_of(node_, stage_, tile, what)].pieces.emplace_back(bytes.begin(), bytes.end());
+    all_.scratch_[key_of(node_, stage_, tile, what)].pieces.emplace_back(bytes.begin(), bytes.end());
     ++all_.spills_;
     return success();
   }
@@ -60,7 +60,7 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
   Result<Pieces> read(TileId tile, ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read, node_, what));
-    const auto found = all_.scratch_.find(place_of(node_, stage_, tile, what));
+    const auto found = all_.scratch_.find(key_of(node_, stage_, tile, what));
     if (found == all_.scratch_.end()) return Pieces{};
     ++all_.reads_[{stage_, tile, what}];
     if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
@@ -68,27 +68,27 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
   }
 
   Result<bool> has(TileId tile, ScratchKind what) override {
-    return all_.scratch_.contains(place_of(node_, stage_, tile, what));
+    return all_.scratch_.contains(key_of(node_, stage_, tile, what));
   }
 
   Status remove(TileId tile, ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::remove, node_, what));
-    all_.scratch_.erase(place_of(node_, stage_, tile, what));
+    all_.scratch_.erase(key_of(node_, stage_, tile, what));
     return success();
   }
 
   Status hand_over(TileId tile, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write));
-    all_.scratch_[handed_place(stage_, tile)] = {{{bytes.begin(), bytes.end()}}, false};
+    all_.scratch_[handed_key(stage_, tile)] = {{{bytes.begin(), bytes.end()}}, false};
     return success();
   }
 
   Result<Pieces> handed(TileId tile) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read));
-    const auto found = all_.scratch_.find(handed_place(stage_, tile));
+    const auto found = all_.scratch_.find(handed_key(stage_, tile));
     if (found == all_.scratch_.end()) {
       ++all_.begun_[{stage_, tile}];
       return Pieces{};
@@ -101,16 +101,16 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
 
   Status forget_handed(TileId tile) override {
     const Turn ours(all_.memory_faults, false);
-    all_.scratch_.erase(handed_place(stage_, tile));
+    all_.scratch_.erase(handed_key(stage_, tile));
     return success();
   }
 
   Status clear(ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
-    const auto node = place_of(node_, stage_, {}, what).node;
+    const auto node = key_of(node_, stage_, {}, what).node;
     std::erase_if(all_.scratch_, [&](const auto& entry) {
-      const Place& place = entry.first;
-      return place.node == node && place.what == what && place.stage == stage_;
+      const StorageKey& key = entry.first;
+      return key.node == node && key.what == what && key.stage == stage_;
     });
     return success();
   }
@@ -196,7 +196,7 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
     return name_of(node_);
   }
 
-  static Place handed_place(std::uint32_t stage, TileId tile) { return {{}, tile, ScratchKind::state, stage}; }
+  static StorageKey handed_key(std::uint32_t stage, TileId tile) { return {{}, tile, ScratchKind::state, stage}; }
 
   MemoryStorage& all_;
   NodeId node_;
@@ -218,7 +218,7 @@ MemoryStorage::AtNode& MemoryStorage::view_of(NodeId node, std::uint32_t stage) 
   return *view;
 }
 
-MemoryStorage::Place MemoryStorage::place_of(NodeId node, std::uint32_t stage, TileId tile, ScratchKind what) {
+MemoryStorage::StorageKey MemoryStorage::key_of(NodeId node, std::uint32_t stage, TileId tile, ScratchKind what) {
   if (what == ScratchKind::settled) return {{}, tile, what, stage};
   return {node, tile, what, stage};
 }
@@ -290,8 +290,8 @@ std::vector<TileReceipt> MemoryStorage::stored() const {
 }
 
 bool MemoryStorage::holds_mail() const {
-  for (const auto& [place, held] : scratch_) {
-    if (place.what == ScratchKind::mail) return true;
+  for (const auto& [key, held] : scratch_) {
+    if (key.what == ScratchKind::mail) return true;
   }
   return false;
 }

@@ -69,14 +69,14 @@ class MemoryStorage {
 
  private:
   class AtNode;
-  struct Place {
+  struct StorageKey {
     std::optional<NodeId> node;  // none: all nodes see it
     TileId tile;
     ScratchKind what = ScratchKind::state;
     std::uint32_t stage = 0;
-    friend auto operator<=>(const Place&, const Place&) = default;
+    friend auto operator<=>(const StorageKey&, const StorageKey&) = default;
   };
-  static Place place_of(NodeId node, std::uint32_t stage, TileId tile, ScratchKind what);
+  static StorageKey key_of(NodeId node, std::uint32_t stage, TileId tile, ScratchKind what);
   struct Scratch {
     TileStorage::Pieces pieces;
     bool damaged = false;
@@ -97,7 +97,7 @@ class MemoryStorage {
 
   int dimension_;
   std::vector<std::vector<LocalPoint>> points_;
-  std::map<Place, Scratch> scratch_;
+  std::map<StorageKey, Scratch> scratch_;
   std::map<std::pair<TileId, NodeId>, Early> early_;  // visible to all nodes
   AtNode& view_of(NodeId node, std::uint32_t stage);
 

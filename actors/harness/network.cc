@@ -13,9 +13,9 @@ void Network::on_exit() { held_.clear(); }
 Network::behavior_type Network::make_behavior() {
   const Turn ours(state_.memory_faults, false);
   return {
-      [this](caf::actor& part, Packet& packet) {
+      [this](caf::actor& share, Packet& packet) {
         const Turn ours(state_.memory_faults, false);
-        held_.emplace_back(part, std::move(packet));
+        held_.emplace_back(share, std::move(packet));
         state_.held = held_.size();
         send(this, caf::tick_atom_v);
       },
@@ -26,13 +26,13 @@ Network::behavior_type Network::make_behavior() {
           return;
         }
         std::swap(held_[rng_() % held_.size()], held_.back());
-        auto [part, packet] = std::move(held_.back());
+        auto [share, packet] = std::move(held_.back());
         held_.pop_back();
         state_.held = held_.size();
         for (const Update& update : packet.updates) {
           if (trace_) trace_("network: delivers " + to_string(update));
         }
-        send(caf::actor_cast<ShareHandle>(part), std::move(packet));
+        send(caf::actor_cast<ShareHandle>(share), std::move(packet));
       },
   };
 }

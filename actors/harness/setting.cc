@@ -113,12 +113,12 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   return s;
 }
 
-std::shared_ptr<const TilePrograms> MemoryShares::programs(Share& part, std::uint32_t stage) const {
+std::shared_ptr<const TilePrograms> MemoryShares::programs(Share& share, std::uint32_t stage) const {
   if (stage > 0) return later_->programs(stage - 1, storage_.meshes());
   auto delaunay = std::make_shared<DelaunayStage>(setting_.stage);
   delaunay->storage = &storage_.at(home_);
   delaunay->store = &storage_.store_at(home_);
-  delaunay->stop = part.stopping.get_token();
+  delaunay->stop = share.stopping.get_token();
   return delaunay;
 }
 
@@ -128,34 +128,34 @@ std::vector<TileReceipt> MemoryShares::stored(std::uint32_t stage) const {
 
 Result<std::unique_ptr<Share>> MemoryShares::open(const ShareSpec& spec, NodeId self) {
   const Turn ours(storage_.memory_faults, false);
-  auto part = std::make_unique<Share>();
+  auto share = std::make_unique<Share>();
   for (std::uint32_t stage = 0; stage < (later_ ? 1 + later_->count() : 1); ++stage) {
-    ShareStage& one = part->stages.emplace_back(ShareStage{setting_.context, setting_.schedule, {}});
+    ShareStage& one = share->stages.emplace_back(ShareStage{setting_.context, setting_.schedule, {}});
     one.context.storage = &storage_.at(home_, stage);
-    one.context.programs = programs(*part, stage);
+    one.context.programs = programs(*share, stage);
     one.context.watch = watches_.at(stage);
     // As after a restart with a disk: that mail was for incarnations that are dead.
     BOOST_OUTCOME_TRYV(one.context.storage->clear(ScratchKind::mail));
   }
-  part->table = spec.table == *setting_.table ? setting_.table : std::make_shared<const RoutingTable>(spec.table);
-  part->outboxes = setting_.outboxes;
-  part->weights = setting_.tile_points;
-  part->settled = storage_.settled > spec.table.stage;
+  share->table = spec.table == *setting_.table ? setting_.table : std::make_shared<const RoutingTable>(spec.table);
+  share->outboxes = setting_.outboxes;
+  share->weights = setting_.tile_points;
+  share->settled = storage_.settled > spec.table.stage;
   const std::vector<TileReceipt> stored_there = stored(spec.table.stage);
   for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
     if (setting_.tiles[t].empty() || spec.table.node_of(TileId{t}) != self) continue;
     const auto kept = std::find_if(stored_there.begin(), stored_there.end(),
                                    [&](const TileReceipt& stored) { return stored.tile == TileId{t}; });
     if (kept != stored_there.end()) {
-      part->stored.push_back(*kept);
+      share->stored.push_back(*kept);
     } else {
       TileStorage& storage = storage_.at(home_, spec.table.stage);
       BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, setting_.context.many_nodes));
-      part->settled = part->settled && alone;
+      share->settled = share->settled && alone;
     }
   }
-  part->mail = std::make_unique<MailCounts>(parts_of({}, setting_.tiles.size(), MailCounts::parts_max));
-  return part;
+  share->mail = std::make_unique<MailCounts>(parts_of({}, setting_.tiles.size(), MailCounts::parts_max));
+  return share;
 }
 
 }  // namespace tessera

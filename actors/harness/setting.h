@@ -54,7 +54,7 @@ class MemoryShares final : public ShareSource {
   Result<std::unique_ptr<Share>> open(const ShareSpec& spec, NodeId self) override;
 
  private:
-  std::shared_ptr<const TilePrograms> programs(Share& part, std::uint32_t stage) const;
+  std::shared_ptr<const TilePrograms> programs(Share& share, std::uint32_t stage) const;
   std::vector<TileReceipt> stored(std::uint32_t stage) const;
 
   const Setting& setting_;

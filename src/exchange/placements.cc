@@ -70,12 +70,34 @@ std::size_t Placements::lose(NodeId node) {
   return lost_.size() - before;
 }
 
+std::size_t Placements::release_homeless(const Lives& lives, const std::vector<bool>& given_up) {
+  const std::size_t before = released_.size();
+  std::copy_if(options_.order.begin(), options_.order.end(), std::back_inserter(released_), [&](TileId t) {
+    const bool lost = !lives(table_.node_of(t)) || (!given_up.empty() && given_up[t.value]);
+    return lost && !stored_[t.value];
+  });
+  return released_.size() - before;
+}
+
 bool Placements::answer(NodeId node, std::span<const TileId> tiles) {
   const auto asked = asked_.find(node);
   if (asked == asked_.end()) return false;  // the node was lost meanwhile, and its tiles with it
   asked_.erase(asked);
   release(tiles);
   return true;
+}
+
+std::vector<Placements::Request> Placements::ask_for(NodeId newcomer, std::span<const Host> hosts) {
+  std::size_t nodes = 0;
+  for (const Host& host : hosts) nodes = std::max<std::size_t>(nodes, host.node.value + 1);
+  const std::vector<std::uint64_t> held = this->held(nodes);
+  std::vector<Request> requests;
+  for (const Host& host : hosts) {
+    if (host.node == newcomer) continue;
+    ask(host.node);
+    requests.push_back({host.node, held[host.node.value] / hosts.size()});
+  }
+  return requests;
 }
 
 bool Placements::end_handing(NodeId node) {

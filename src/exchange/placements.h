@@ -55,11 +55,22 @@ class Placements {
   // Notes that tiles which no node has begun have no node any more.
   void release(std::span<const TileId> tiles) { released_.insert(released_.end(), tiles.begin(), tiles.end()); }
 
+  // Does the same for tiles whose nodes do not live, and for tiles that their nodes have given up, without those that
+  // are stored. `given_up` is by tile; empty: none. Returns how many tiles these are.
+  std::size_t release_homeless(const Lives& lives, const std::vector<bool>& given_up = {});
+
   // A node was asked to give up some of its tiles. A node may be asked several times, and owes one answer each time.
   // answer() takes the tiles that it has given up. It returns false, and ignores them, when no answer is owed: the node
   // was lost meanwhile.
   void ask(NodeId node) { asked_.insert(node); }
   bool answer(NodeId node, std::span<const TileId> tiles);
+  // A newcomer wants work: asks each other host for what it holds, divided by the number of hosts. Returns whom to ask
+  // for how much weight.
+  struct Request {
+    NodeId node;
+    std::uint64_t weight = 0;
+  };
+  std::vector<Request> ask_for(NodeId newcomer, std::span<const Host> hosts);
   // The node is to hand over all tiles that it has begun. Returns false when it already does so.
   bool begin_handing(NodeId node) { return handing_.insert(node).second; }
   // The node has handed over: its tiles go on elsewhere. Returns false when the node was not asked to hand over.

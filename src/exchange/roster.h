@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "src/exchange/assignment.h"
+#include "src/exchange/placements.h"
 
 namespace tessera {
 
@@ -58,6 +60,28 @@ class Roster {
     for (Node& node : nodes_) node.standing = Standing::lost;
   }
 
+  // What a node gives the job, and its name.
+  struct Offer {
+    std::uint32_t threads = 1;
+    std::uint64_t memory_bytes = 0;
+    std::string name;
+  };
+  // A node has opened its share. `settled` says whether an earlier process has settled all tiles of the share. A node
+  // that is gone stays gone.
+  void open(NodeId number, bool settled, Offer offer) {
+    Node& node = nodes_.at(number.value);
+    if (!node.gone()) node.standing = Standing::there;
+    if (settled) node.reached = Reached::settled;
+    take(node, std::move(offer));
+  }
+  // A share of an earlier coordinator is found.
+  void find(NodeId number, bool begun, Offer offer) {
+    Node& node = nodes_.at(number.value);
+    node.standing = Standing::there;
+    node.begun = begun;
+    take(node, std::move(offer));
+  }
+
   bool has(NodeId node) const { return node.value < nodes_.size() && !nodes_[node.value].gone(); }
   // Returns whether no share is open and none is being opened.
   bool nobody() const {
@@ -76,6 +100,24 @@ class Roster {
   bool all_reached(Reached what) const {
     return all([&](const Node& node) { return node.standing == Standing::asked || node.reached == what; });
   }
+  // Returns whether all nodes that were asked to open their shares have answered.
+  bool all_have_answered() const {
+    return all([](const Node& node) { return node.standing != Standing::asked; });
+  }
+  bool all_are_over() const {
+    return all([](const Node& node) { return node.over(); });
+  }
+  // Returns whether a node of this name has had a share, and has a name.
+  bool knows(const std::string& name) const {
+    return !name.empty() &&
+           std::any_of(nodes_.begin(), nodes_.end(), [&](const Node& node) { return node.name == name; });
+  }
+  // Returns the memory that all nodes have given the job, together.
+  std::uint64_t memory_bytes() const {
+    std::uint64_t sum = 0;
+    for (const Node& node : nodes_) sum += node.memory_bytes;
+    return sum;
+  }
   bool all_have_begun() const {
     return all([](const Node& node) { return node.standing == Standing::asked || node.begun; });
   }
@@ -89,9 +131,23 @@ class Roster {
   void begin_stage() {
     for (Node& node : nodes_) node.begun = false;
   }
+  // Counts the tiles of each node, unless they were counted by the same table before.
+  void count_tiles(const Placements& placements) {
+    if (counted_ == placements.table().epoch) return;
+    counted_ = placements.table().epoch;
+    const std::vector<std::uint32_t> tiles = placements.tiles(nodes_.size());
+    for (std::size_t n = 0; n < tiles.size(); ++n) nodes_[n].tiles = tiles[n];
+  }
 
  private:
+  static void take(Node& node, Offer offer) {
+    node.threads = offer.threads;
+    node.memory_bytes = offer.memory_bytes;
+    node.name = std::move(offer.name);
+  }
+
   std::vector<Node> nodes_;
+  std::optional<Epoch> counted_;
 };
 
 }  // namespace tessera

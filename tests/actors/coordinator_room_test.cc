@@ -30,8 +30,8 @@ TEST_F(Nodes, AreWaitedForWhileNobodyHasRoomForATile) {
   start(with_room(taken_over()), {&a_});
   tell_none(a_, 9, "a");
   EXPECT_FALSE(listen(a_).open);
-  EXPECT_NE(owner_.lines.find("no node has the memory for a tile of 10 points, which needs about 11 MiB: node a "
-                              "gives a job most, 0 MiB: the job waits 3600 s for another one"),
+  EXPECT_NE(owner_.lines.find("no node has enough memory for a tile of 10 points, which needs about 11 MiB: the most "
+                              "that a job gets is 0 MiB, on node a: the job waits 3600 s for another node"),
             std::string::npos)
       << owner_.lines;
   tell(a_, NodeJoined{handle_of(b_)});
@@ -103,9 +103,8 @@ TEST_F(Nodes, WhoseScratchCannotBeUsedAreDoneWithout) {
   const auto table = listen(a_).table;
   ASSERT_TRUE(table);
   for (std::uint32_t t = 0; t < tiles; ++t) EXPECT_EQ(table->node_of(TileId{t}), NodeId{0});
-  EXPECT_NE(
-      owner_.lines.find("node b is lost: it cannot go on with its scratch folder (node b: /scratch/x: cannot write"),
-      std::string::npos)
+  EXPECT_NE(owner_.lines.find("node b is lost: it cannot use its scratch folder (node b: /scratch/x: cannot write"),
+            std::string::npos)
       << owner_.lines;
   // The last one's failure is the job's.
   ShareEnded last;

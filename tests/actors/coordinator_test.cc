@@ -1,5 +1,5 @@
 // A coordinator and nodes that come, are lost, and answer at moments that the harness hardly ever finds. The test is
-// each of the nodes, and its part.
+// each of the nodes, and its share.
 #include <utility>
 #include <vector>
 
@@ -42,7 +42,7 @@ TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredHaveNoTilesAnyMore) {
   }
 }
 
-// Their parts may still speak: to whom they have no tiles, too.
+// Their shares may still speak: to whom they have no tiles, too.
 TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredKeepTheirNumber) {
   const RoutingTable table = table_of({0, 0, 0, 0, 0, 0});
   start(taken_over(), {&a_, &b_});

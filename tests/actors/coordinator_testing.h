@@ -1,4 +1,4 @@
-// A coordinator whose nodes, and their parts, are the test.
+// A coordinator whose nodes, and their shares, are the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ inline RoutingTable table_of(const std::vector<std::uint32_t>& nodes) {
 
 class Nodes : public ::testing::Test {
  protected:
-  // What a node, or its part, has heard since it listened last.
+  // What a node, or its share, has heard since it listened last.
   struct Heard {
     std::optional<OpenShare> open;
     std::optional<RoutingTable> table, begun;
@@ -94,12 +94,12 @@ class Nodes : public ::testing::Test {
     ASSERT_TRUE(open);
     ShareOpened opened;
     opened.node = open->node;
-    opened.part = handle_of(node);
+    opened.share = handle_of(node);
     opened.memory_bytes = memory_bytes;
     opened.name = name;
     tell(node, std::move(opened));
   }
-  // It has no part.
+  // It has no share.
   void tell_none(const caf::scoped_actor& node, std::uint64_t memory_bytes, const std::string& name) {
     ShareFound none;
     none.term = Term{1};
@@ -111,7 +111,7 @@ class Nodes : public ::testing::Test {
   void tell_found(const caf::scoped_actor& node, std::uint32_t number, const RoutingTable& table) {
     ShareFound found;
     found.term = Term{1};
-    found.node = found.part = handle_of(node);
+    found.node = found.share = handle_of(node);
     found.self = NodeId{number};
     found.begun = true;
     found.table = table;

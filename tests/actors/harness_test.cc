@@ -145,7 +145,7 @@ TEST(Harness, ANodeThatSettlesLeavesWhileAnotherIsLost) {
 
 class WithoutNodes : public ::testing::TestWithParam<Case> {};
 
-// For a while no node is left: the job waits for one that comes, or is on its way, and for one that can open its part.
+// For a while no node is left: the job waits for one that comes, or is on its way, and for one that can open its share.
 // First nothing else happens, then all that may.
 TEST_P(WithoutNodes, CostsNoCell) {
   const Case& c = GetParam();

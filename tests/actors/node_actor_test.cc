@@ -22,15 +22,15 @@ class NoPoints final : public ShareSource, public TileStorage, public DelaunaySt
  public:
   explicit NoPoints(std::size_t tiles) : tiles_(tiles) {}
   Result<std::unique_ptr<Share>> open(const ShareSpec&, NodeId) override {
-    auto part = std::make_unique<Share>();
-    part->weights = std::make_shared<const std::vector<std::uint64_t>>(tiles_, 1);
-    ShareStage& only = part->stages.emplace_back();
+    auto share = std::make_unique<Share>();
+    share->weights = std::make_shared<const std::vector<std::uint64_t>>(tiles_, 1);
+    ShareStage& only = share->stages.emplace_back();
     only.schedule.threads = static_cast<std::uint32_t>(tiles_);
     auto stage = std::make_shared<DelaunayStage>();
     stage->storage = only.context.storage = this;
     stage->store = this;
     only.context.programs = std::move(stage);
-    return part;
+    return share;
   }
 
   Result<LoadedTile> load_points(TileId) override {
@@ -57,7 +57,7 @@ class NoPoints final : public ShareSource, public TileStorage, public DelaunaySt
 
 class Node : public ::testing::Test {
  protected:
-  // What the node answers when it is asked for a part that may use so much.
+  // What the node answers when it is asked for a share that may use so much.
   ShareOpened open(std::uint64_t mebibytes) {
     ShareSpec spec;
     spec.memory_bytes = mebibytes << 20;
@@ -70,12 +70,12 @@ class Node : public ::testing::Test {
 
   template <class... Messages>
   void tell(const ShareOpened& opened, Messages... messages) {
-    (self_->send(caf::actor_cast<ShareHandle>(opened.part), std::move(messages)), ...);
+    (self_->send(caf::actor_cast<ShareHandle>(opened.share), std::move(messages)), ...);
   }
 
-  // What a part says at last, once it is gone.
+  // What a share says at last, once it is gone.
   ShareEnded end_of(const ShareOpened& opened) {
-    self_->monitor(opened.part);
+    self_->monitor(opened.share);
     ShareEnded last;
     bool gone = false;
     self_->receive_while([&] { return !gone; })([](const ShareProgress&) {},
@@ -116,14 +116,14 @@ TEST_F(Node, HasRoomForJobsUntilItsMemoryIsGivenAwayAndAgainWhenOneHasEnded) {
 
 // Its mail could not be kept while it worked; then its report comes, or its mesh is stored.
 TEST_F(Node, HearsOfATileThatWasGivenUpWhileOthersWork) {
-  const ShareOpened part = open(1);
+  const ShareOpened share = open(1);
   TileReport report;
   report.span.tile = TileId{0};
-  tell(part, BeginShare{{part.part}, {}, false},
+  tell(share, BeginShare{{share.share}, {}, false},
        TileFailed{TileId{0}, {static_cast<std::uint8_t>(Errc::io), "no room"}}, std::move(report),
        TileStored{TileId{0}, {}, {}});
   source_->may_look.set_value();
-  EXPECT_EQ(end_of(part).failure.text, "no room");
+  EXPECT_EQ(end_of(share).failure.text, "no room");
 }
 
 }  // namespace

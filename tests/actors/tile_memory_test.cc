@@ -34,9 +34,9 @@ class NarrowParts final : public ShareSource {
     disk_.offer(std::shared_ptr<const RoutedCloud>(&run, [](const RoutedCloud*) {}), nullptr);
   }
   Result<std::unique_ptr<Share>> open(const ShareSpec& spec, NodeId self) override {
-    BOOST_OUTCOME_TRY(part, disk_.open(spec, self));
-    part->stages[0].schedule.memory_bytes = 1;
-    return std::move(part);
+    BOOST_OUTCOME_TRY(share, disk_.open(spec, self));
+    share->stages[0].schedule.memory_bytes = 1;
+    return std::move(share);
   }
 
  private:
@@ -95,7 +95,7 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
   return quiet - before;
 }
 
-// What the process takes for a part that has ten of so many tiles, beside the plan, when they are quiet and asleep.
+// What the process takes for a share that has ten of so many tiles, beside the plan, when they are quiet and asleep.
 std::size_t bytes_of_part(std::uint32_t tiles) {
   constexpr int dimension = 3;
   const TemporaryFolder folder = TemporaryFolder::make().value();
@@ -111,19 +111,19 @@ std::size_t bytes_of_part(std::uint32_t tiles) {
   const NodeHandle node = system.spawn<NodeActor>(NodeOptions{.memory_bytes = spec.memory_bytes, .hooks = {}},
                                                   std::make_shared<NarrowParts>(run));
   self->send(node, OpenShare{JobId{1}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self.ptr()), {}});
-  ShareHandle part;
+  ShareHandle share;
   self->receive([&](const ShareOpened& opened) {
     EXPECT_EQ(opened.failure.text, "");
-    part = caf::actor_cast<ShareHandle>(opened.part);
-    self->send(part, BeginShare{{opened.part, {}}, std::move(spec.table), false});
+    share = caf::actor_cast<ShareHandle>(opened.share);
+    self->send(share, BeginShare{{opened.share, {}}, std::move(spec.table), false});
   });
   bool idle = false;
   self->receive_while([&] { return !idle; })([](const ShareBegun&) {}, [](const ShareProgress&) {},
                                              [&](const ShareIdle&) { idle = true; });
   const std::size_t after = heap_bytes();
   EXPECT_GT(after, before);
-  self->monitor(part);
-  self->send(part, Abort{});
+  self->monitor(share);
+  self->send(share, Abort{});
   bool gone = false;
   self->receive_while([&] { return !gone; })([](const ShareProgress&) {}, [](const ShareEnded&) {},
                                              [&](const caf::down_msg&) { gone = true; });

@@ -179,7 +179,7 @@ TEST_F(ClusterTest, IsFoundByNameAtWhicheverAddressItHas) {
   auto nowhere = options("third");
   nowhere.join = {{"no.such.host.invalid", first_.port}};
   const auto third = start(nowhere);
-  wait_for("nobody of the cluster is reached yet", "no.such.host.invalid: ");
+  wait_for("no node of the cluster can be reached yet", "no.such.host.invalid: ");
 }
 
 // Whoever has a certificate of another authority is not spoken to.
@@ -194,8 +194,8 @@ TEST_F(ClusterTest, DoesNotSpeakToStrangers) {
   spy.key = node_key_file(foreign, "spy");
   const auto engine = start(spy);
   // Both sides say why.
-  wait_for("nobody of the cluster is reached", "the connection was closed before anything was said");
-  wait_for("127.0.0.1:" + std::to_string(first_.port) + " is not spoken to",
+  wait_for("no node of the cluster can be reached", "the connection was closed before any message came");
+  wait_for("the connection to 127.0.0.1:" + std::to_string(first_.port) + " is refused",
            "certificate 'all' is of another authority");
   const auto second = start(options("second"));
   wait_for("node second", "has joined");  // nor are the others disturbed
@@ -214,7 +214,7 @@ TEST_F(ClusterTest, BothSidesSayThatACertificateHasExpired) {
       static_cast<std::uint64_t>(std::chrono::system_clock::to_time_t(now - std::chrono::hours(48)));
   const auto engine = start(late);
   wait_for("a connection from 127.0.0.1 is refused", "its certificate 'old' has expired on ");
-  wait_for("nobody of the cluster is reached",
+  wait_for("no node of the cluster can be reached",
            "the certificate of this node has expired: " + late.certificate.string());
   EXPECT_EQ(first->nodes().size(), 1U);
 }

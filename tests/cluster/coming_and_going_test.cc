@@ -47,7 +47,7 @@ TEST_F(ClusterTest, NothingBeginsAgainWhenNodesAreDrainedOrDepart) {
   Progress progress;
   std::uint64_t handed = 0;
   progress.log = [&](const std::string& line) {
-    const std::string words = "others go on with ";
+    const std::string words = "other nodes continue ";
     if (const auto at = line.find(words); at != std::string::npos) handed += std::stoul(line.substr(at + words.size()));
   };
   std::optional<Result<RunSummary>> summary;
@@ -86,17 +86,17 @@ TEST_F(ClusterTest, LetsANodeDepart) {
   const auto only = start(expelled("only"));
   wait_for("node only", "has joined");
   EXPECT_FALSE(first->drain("only"));
-  EXPECT_FALSE(only->place().leaves);
+  EXPECT_FALSE(only->membership_status().leaves);
   only->depart();
   wait_for("only ends", "is drained");
-  EXPECT_TRUE(only->place().leaves);
+  EXPECT_TRUE(only->membership_status().leaves);
   EXPECT_TRUE(first->nodes().empty());
   EXPECT_EQ(first->nodes_lost(), 0U);
   first_ = {"127.0.0.1", free_port()};
   const auto lonely = start(expelled("lonely"));
-  wait_for("nobody of the cluster is reached", "127.0.0.1");
+  wait_for("no node of the cluster can be reached", "127.0.0.1");
   lonely->depart();
-  wait_for("lonely ends", "had nothing that others would go on with");
+  wait_for("lonely ends", "had no tiles that other nodes would continue");
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ class Cluster(ClusterTest):
         self.tessera("certs", "init", "others")
         self.tessera("certs", "node", "others", "e")
         spy = self.join("e", "others")
-        self.wait_until(lambda: "nobody of the cluster is reached" in spy.said(), spy.said)
+        self.wait_until(lambda: "no node of the cluster can be reached" in spy.said(), spy.said)
         for sent in (b"GET / HTTP/1.1\r\n\r\n", b"\x16\x03\x01\xff\xff" + b"\xff" * 70000, os.urandom(4096)):
             with socket.create_connection(("127.0.0.1", self.port)) as stranger:
                 stranger.settimeout(20)
@@ -113,7 +113,7 @@ class Cluster(ClusterTest):
             self.assertEqual(len(left(dumb)), 4)
             self.wait_until(lambda: not left(dumb), lambda: "they stay open")
             for log in (self.coordinator.messages(), self.nodes["b"].said()):
-                self.assertRegex(log, r"[12] connections were closed, over which nothing was said")
+                self.assertRegex(log, r"[12] connections were closed because no message came over them")
         with contextlib.ExitStack() as opened:  # many at once: the oldest go before their time
             many = [opened.enter_context(socket.create_connection(("127.0.0.1", self.port))) for _ in range(300)]
             self.wait_until(lambda: len(left(many)) <= 128, lambda: str(len(left(many))))

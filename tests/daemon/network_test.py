@@ -110,7 +110,7 @@ class TwoClusters(ClusterTest):
         # Another authority's certificate; and ours, of another cluster.
         stranger = self.node("g", join="a", data=data, certs=theirs)
         other = self.node("c", "--cluster-name", "another")
-        self.wait_until(lambda: "nobody of the cluster is reached" in stranger.said(), stranger.said)
+        self.wait_until(lambda: "no node of the cluster can be reached" in stranger.said(), stranger.said)
         self.wait_until(lambda: "it belongs to the cluster 'another'" in other.said(), other.said)
         ours, their = self.submit("both"), self.submit("both", at="e", data=data)
         self.assert_right(ours)
@@ -180,7 +180,7 @@ class FullDisks(ClusterTest):
         job = self.submit("no-scratch", "--memory", "96M")
         self.assert_right(job)
         log = (self.data / "jobs" / job / "log.txt").read_text()
-        self.assertRegex(log, r"node b cannot take part: .*/scratch/b: only \d+ KiB are free for tiles that are not in memory")
+        self.assertRegex(log, r"node b cannot work on the job: .*/scratch/b: only \d+ KiB are free for tiles that are not in memory")
         self.assertEqual({node["name"]: node["scratch_free_bytes"] for node in self.json("nodes")}["b"], 0)
 
 

@@ -44,7 +44,7 @@ class Pauses(DaemonTest):
         time.sleep(pause_s)
         for name, node in self.nodes.items():
             if node.process is not process:
-                self.wait_until(lambda: "has not been heard of for the lease" in node.said(), node.said)
+                self.wait_until(lambda: "has been silent for longer than the lease" in node.said(), node.said)
         process.send_signal(signal.SIGCONT)
 
     def test_a_coordinator_that_stands_still_finds_its_nodes_again(self):
@@ -68,7 +68,7 @@ class Pauses(DaemonTest):
         self.nodes["c"].end()
         for name in "bd":
             node = self.nodes[name]
-            self.wait_until(lambda: "has not been heard of for the lease" in node.said(), node.said)
+            self.wait_until(lambda: "has been silent for longer than the lease" in node.said(), node.said)
         self.coordinator.process.send_signal(signal.SIGCONT)
         self.assertEqual(self.result(job), alone, self.log(job))
         self.wait_for_members(set("abd"))

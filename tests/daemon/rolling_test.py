@@ -69,7 +69,7 @@ class Rolling(DaemonTest):
         self.assertEqual((figures["tiles_again"], figures["nodes_lost"]), (0, 0), self.log(job))
 
     def handed(self, job):
-        return sum(int(tiles) for tiles in re.findall(r"leaves: others go on with (\d+) tiles", self.log(job)))
+        return sum(int(tiles) for tiles in re.findall(r"leaves: other nodes continue (\d+) tiles", self.log(job)))
 
     def test_all_nodes_are_replaced_under_a_running_job(self):
         alone, job = self.alone(), self.running("rolled")
@@ -118,7 +118,7 @@ class Rolling(DaemonTest):
     def test_that_a_node_leaves_is_known_to_the_next_coordinator(self):
         alone, job = self.alone(), self.running("remembered", "b", "c", "d")
         self.drain("c")
-        told = lambda name: self.wait_until(lambda: "leaves the cluster: its tiles go to others" in self.nodes[name].said(), self.nodes[name].said)
+        told = lambda name: self.wait_until(lambda: "leaves the cluster: its tiles go to other nodes" in self.nodes[name].said(), self.nodes[name].said)
         told("c")
         self.coordinator.process.send_signal(signal.SIGSTOP)  # so that it never hears of d
         self.nodes["d"].process.send_signal(signal.SIGTERM)
@@ -129,9 +129,9 @@ class Rolling(DaemonTest):
             self.assertEqual(self.nodes[name].process.wait(timeout=300), 0, self.nodes[name].said())
         self.assertIn("it is drained", self.nodes["d"].said())
         # It may have handed over all it had before the coordinator was lost.
-        self.assertRegex(self.nodes["c"].said(), "it is drained|it had nothing that others would go on with")
+        self.assertRegex(self.nodes["c"].said(), "it is drained|it had no tiles that other nodes would continue")
         heard = self.coordinator.messages()
-        self.assertRegex(heard, r"node d \(\S+\) leaves: what it has goes to others")
+        self.assertRegex(heard, r"node d \(\S+\) leaves: its tiles go to other nodes")
         for name in "cd":
             self.assertNotRegex(heard, rf"node {name} \(\S+\) has joined")
         self.assertEqual(self.result(job), alone, self.log(job))
@@ -159,11 +159,11 @@ class Rolling(DaemonTest):
         words = {node["name"]: node.get("lastWords", "") for node in self.coordinator.request("GET", "/v1/nodes")[2]["nodes"]}
         self.assertIn("was told to end, and did not get rid of its tiles within 2 s", words["c"])
         self.assertIn("was ended by signal SIGTERM", words["d"])
-        # With nothing that others would go on with it is not waited.
+        # A node without tiles that other nodes would continue ends at once.
         self.coordinator.end(signal.SIGKILL)
         for name in "bcd":
             self.assertEqual(self.nodes[name].end(signal.SIGTERM), 0, self.nodes[name].said())
-            self.assertIn("it had nothing that others would go on with", self.nodes[name].said())
+            self.assertIn("it had no tiles that other nodes would continue", self.nodes[name].said())
 
     def test_how_a_node_ended_stands_in_the_log_of_its_job(self):
         status, _, job = self.coordinator.request(

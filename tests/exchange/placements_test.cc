@@ -51,6 +51,30 @@ TEST_F(SixTiles, OfALostNodeBeginAgainElsewhereButForThoseThatAreStored) {
   EXPECT_TRUE(placements.complete());
 }
 
+TEST_F(SixTiles, AreHomelessWhenTheirNodesAreGoneOrHaveGivenThemUp) {
+  Placements placements = make();
+  EXPECT_EQ(placements.release_homeless(all_live), 0u);
+  placements.store(TileId{5});
+  const auto first_lives = [](NodeId node) { return node == NodeId{0}; };
+  EXPECT_EQ(placements.release_homeless(first_lives, {false, true, false, true, false, false}), 3u);
+  EXPECT_EQ(placements.homeless(), ids({1, 3, 4})) << "tile 5 is stored";
+  EXPECT_FALSE(placements.complete());
+}
+
+TEST_F(SixTiles, AreAskedForWhenANodeComes) {
+  Placements placements = make();
+  const std::vector<Host> hosts{{NodeId{0}}, {NodeId{1}}, {NodeId{2}}};
+  const auto requests = placements.ask_for(NodeId{2}, hosts);
+  ASSERT_EQ(requests.size(), 2u);
+  EXPECT_EQ(requests[0].node, NodeId{0});
+  EXPECT_EQ(requests[0].weight, 1u) << "each of three nodes is to have two tiles of six";
+  EXPECT_EQ(requests[1].node, NodeId{1});
+  EXPECT_TRUE(placements.awaits());
+  EXPECT_TRUE(placements.answer(NodeId{0}, ids({2})));
+  EXPECT_TRUE(placements.answer(NodeId{1}, {}));
+  EXPECT_FALSE(placements.awaits());
+}
+
 TEST_F(SixTiles, ThatWereGivenUpGoToWhoeverCameLate) {
   Placements placements = make();
   placements.come_late(NodeId{2});

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "src/exchange/course.h"
 #include "src/exchange/told_once.h"
 
@@ -48,11 +50,59 @@ TEST(Roster, KnowsWhoIsOverAndWhoIsGone) {
   }
 }
 
+TEST(Roster, OpensSharesAndDoesNotBringBackANodeThatIsGone) {
+  Roster roster;
+  const NodeId a = roster.add(), b = roster.add();
+  EXPECT_FALSE(roster.all_have_answered());
+  roster[b].standing = Standing::lost;
+  roster.open(a, true, {4, 100, "a"});
+  roster.open(b, false, {2, 50, "b"});
+  EXPECT_TRUE(roster[a].there());
+  EXPECT_EQ(roster[a].reached, Reached::settled);
+  EXPECT_EQ(roster[a].threads, 4u);
+  EXPECT_EQ(roster[b].standing, Standing::lost);
+  EXPECT_EQ(roster[b].reached, Reached::nothing);
+  EXPECT_TRUE(roster.all_have_answered());
+  EXPECT_EQ(roster.memory_bytes(), 150u);
+  EXPECT_TRUE(roster.knows("b"));
+  EXPECT_FALSE(roster.knows("c"));
+  EXPECT_FALSE(roster.all_are_over());
+  roster[a].standing = Standing::ended;
+  EXPECT_TRUE(roster.all_are_over());
+}
+
+TEST(Roster, HasTheSharesOfAnEarlierCoordinatorThatAreFound) {
+  Roster roster;
+  roster.take_numbers(2);
+  roster.find(NodeId{1}, true, {1, 7, ""});
+  EXPECT_TRUE(roster.has(NodeId{1}));
+  EXPECT_FALSE(roster.has(NodeId{0}));
+  EXPECT_TRUE(roster.any_has_begun());
+  EXPECT_FALSE(roster.knows("")) << "nodes without a name are not known by it";
+}
+
 TEST(Roster, LeavesNumbersToThoseThatAreNotFound) {
   Roster roster;
   roster.take_numbers(2);
   EXPECT_TRUE(roster.nobody());
   EXPECT_EQ(roster.add(), NodeId{2});
+}
+
+TEST(Roster, CountsTilesOncePerTable) {
+  Placements placements({{1, 1, 1}, {TileId{0}, TileId{1}, TileId{2}}, {}},
+                        {{}, 0, {NodeId{0}, NodeId{1}, NodeId{1}}, {{}, {}, {}}});
+  Roster roster;
+  const NodeId a = roster.add(), b = roster.add();
+  roster.count_tiles(placements);
+  EXPECT_EQ(roster[a].tiles, 1u);
+  EXPECT_EQ(roster[b].tiles, 2u);
+  roster[a].tiles = 9;
+  roster.count_tiles(placements);
+  EXPECT_EQ(roster[a].tiles, 9u) << "the table is the same";
+  placements.change(std::vector<Placement>{{TileId{2}, a, {{}, 1}}});
+  roster.count_tiles(placements);
+  EXPECT_EQ(roster[a].tiles, 2u);
+  EXPECT_EQ(roster[b].tiles, 1u);
 }
 
 TEST(ToldOnce, EachWordOnceUntilItIsForgotten) {

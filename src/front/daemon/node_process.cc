@@ -35,8 +35,8 @@ constexpr std::chrono::milliseconds telling{500};  // between two records of wha
 
 // Returns what the process does, as a text for LastWords::doing().
 std::string in_words(const NodeWork& work) {
-  if (work.parts == 0) return "without tiles";
-  return "at work on tiles of " + std::to_string(work.parts) + (work.parts == 1 ? " job (" : " jobs (") +
+  if (work.shares == 0) return "without tiles";
+  return "at work on tiles of " + std::to_string(work.shares) + (work.shares == 1 ? " job (" : " jobs (") +
          std::to_string(work.tiles_begun) + " begun and " + std::to_string(work.tiles_stored) + " stored so far, " +
          std::to_string(work.tile_memory_bytes >> 20) + " MiB in memory)";
 }
@@ -47,13 +47,13 @@ class Health final : public http::NodeHealth {
 
   http::NodeFigures figures() const override {
     const NodeWork work = engine_.work();
-    const NodePlace place = engine_.place();
+    const NodePlace place = engine_.membership_status();
     http::NodeFigures out;
     out.memory_budget_bytes = options_.memory_bytes;
     out.memory_used_bytes = engine_.memory_used();
     out.tile_memory_bytes = work.tile_memory_bytes;
     out.scratch_free_bytes = free_bytes(options_.cluster->scratch);
-    out.jobs = work.parts;
+    out.jobs = work.shares;
     out.tiles_asleep = work.tiles_asleep;
     out.tiles_begun = work.tiles_begun;
     out.tiles_stored = work.tiles_stored;
@@ -69,7 +69,7 @@ class Health final : public http::NodeHealth {
     return out;
   }
   std::optional<std::string> unready() const override {
-    const NodePlace place = engine_.place();
+    const NodePlace place = engine_.membership_status();
     if (place.leaves) return "leaves the cluster";
     if (place.member) return std::nullopt;
     return place.trouble;

@@ -1,5 +1,5 @@
-// One part among messages in orders that a network can make, and the harness hardly or never: its coordinator tells all
-// parts at once. The test is the coordinator, and the other node.
+// One share among messages in orders that a network can make, and the harness hardly or never: its coordinator tells
+// all shares at once. The test is the coordinator, and the other node.
 #include "actors/share_actor.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ Setting setting() {
   return made;
 }
 
-class OnePart : public ::testing::Test {
+class OneShare : public ::testing::Test {
  protected:
   // What the test has heard since it listened last.
   struct Heard {
@@ -68,7 +68,7 @@ class OnePart : public ::testing::Test {
     int idle = 0;
   };
 
-  OnePart() {
+  OneShare() {
     NodeOptions node;
     node.memory_bytes = ~std::uint64_t{0};
     node_ = system_.spawn<NodeActor>(
@@ -76,28 +76,28 @@ class OnePart : public ::testing::Test {
         std::make_shared<MemoryShares>(setting_, storage_, std::vector<ExchangeWatch*>{&watch_}, here));
     self_->send(node_, OpenShare{JobId{1}, here, to_bytes(setting_.spec), handle_of(self_), {}});
     run();
-    self_->receive([&](const ShareOpened& opened) { part_ = caf::actor_cast<ShareHandle>(opened.part); });
+    self_->receive([&](const ShareOpened& opened) { share_ = caf::actor_cast<ShareHandle>(opened.share); });
   }
-  ~OnePart() override {
-    caf::anon_send_exit(part_, caf::exit_reason::kill);
+  ~OneShare() override {
+    caf::anon_send_exit(share_, caf::exit_reason::kill);
     caf::anon_send_exit(node_, caf::exit_reason::kill);
     run();
   }
 
   static caf::actor handle_of(const caf::scoped_actor& actor) { return caf::actor_cast<caf::actor>(actor.ptr()); }
-  std::vector<caf::actor> parts() const { return {caf::actor_cast<caf::actor>(part_), handle_of(self_)}; }
+  std::vector<caf::actor> shares() const { return {caf::actor_cast<caf::actor>(share_), handle_of(self_)}; }
 
   template <class Message>
   void tell(Message message) {
-    self_->send(part_, std::move(message));
+    self_->send(share_, std::move(message));
   }
-  void begin() { tell(BeginShare{parts(), {}, false}); }
+  void begin() { tell(BeginShare{shares(), {}, false}); }
   // The other node's tile was reborn, so often.
   void change_table(std::uint32_t incarnation) {
     RoutingTable table = *setting_.table;
     table.epoch = {{}, incarnation};
     table.incarnations[foreign.value] = {{}, incarnation};
-    tell(ChangeTable{std::move(table), parts(), false});
+    tell(ChangeTable{std::move(table), shares(), false});
   }
   void mail(TileIncarnation from, std::uint32_t epoch) {
     tell(Packet{there, std::uint64_t{1} << 20, {Update{from, {TileId{0}, {}}, {{}, epoch}, 1, {}}}});
@@ -105,9 +105,9 @@ class OnePart : public ::testing::Test {
 
   // Each actor in its turn, a message at a time, until all is done.
   void run() { scheduler_.run(); }
-  void run_part() {
-    auto* const part = dynamic_cast<caf::resumable*>(caf::actor_cast<caf::abstract_actor*>(part_));
-    scheduler_.run_jobs_filtered([&](caf::resumable* job) { return job == part; });
+  void run_share() {
+    auto* const share = dynamic_cast<caf::resumable*>(caf::actor_cast<caf::abstract_actor*>(share_));
+    scheduler_.run_jobs_filtered([&](caf::resumable* job) { return job == share; });
   }
   // One message of an actor that is ready.
   void step(caf::resumable* actor) {
@@ -140,10 +140,10 @@ class OnePart : public ::testing::Test {
   caf::scheduler::test_coordinator& scheduler_ = dynamic_cast<caf::scheduler::test_coordinator&>(system_.scheduler());
   caf::scoped_actor self_{system_};
   NodeHandle node_;
-  ShareHandle part_;
+  ShareHandle share_;
 };
 
-TEST_F(OnePart, KeepsMailThatComesBeforeItIsToldToBegin) {
+TEST_F(OneShare, KeepsMailThatComesBeforeItIsToldToBegin) {
   mail({foreign, {}}, 0);
   run();
   EXPECT_EQ(watch_.from({foreign, {{}, 0}}), 0u);
@@ -152,7 +152,7 @@ TEST_F(OnePart, KeepsMailThatComesBeforeItIsToldToBegin) {
   EXPECT_EQ(watch_.from({foreign, {{}, 0}}), 1u);
 }
 
-TEST_F(OnePart, KeepsMailOfAnEpochWhoseTableIsStillToCome) {
+TEST_F(OneShare, KeepsMailOfAnEpochWhoseTableIsStillToCome) {
   begin();
   run();
   mail({foreign, {{}, 1}}, 1);
@@ -163,7 +163,7 @@ TEST_F(OnePart, KeepsMailOfAnEpochWhoseTableIsStillToCome) {
   EXPECT_EQ(watch_.from({foreign, {{}, 1}}), 1u);
 }
 
-TEST_F(OnePart, IsBusyUntilAllItsTilesGoByTheTable) {
+TEST_F(OneShare, IsBusyUntilAllItsTilesGoByTheTable) {
   begin();
   run();
   EXPECT_EQ(listen().idle, 1);
@@ -184,18 +184,18 @@ TEST_F(OnePart, IsBusyUntilAllItsTilesGoByTheTable) {
 }
 
 // Of two tables it says twice that it goes by the second; meanwhile it may have been given up.
-TEST_F(OnePart, DoesNotWaitForATileThatItHasGivenUp) {
+TEST_F(OneShare, DoesNotWaitForATileThatItHasGivenUp) {
   begin();
-  run_part();  // tiles 0 and 1 are to begin
+  run_share();  // tiles 0 and 1 are to begin
   change_table(1);
   change_table(2);
-  run_part();
+  run_share();
   const std::vector<caf::resumable*> actors(scheduler_.jobs.begin(), scheduler_.jobs.end());
   ASSERT_EQ(actors.size(), tiles - 1);
   for (const std::size_t t : {4, 3, 2, 1, 0}) step(actors[t]);
   for (const std::size_t t : {1, 0}) step(actors[t]);  // these had to begin first
   tell(Release{1});
-  run_part();
+  run_share();
   run();
   const Heard heard = listen();
   ASSERT_EQ(heard.released.size(), 1u);
@@ -204,14 +204,14 @@ TEST_F(OnePart, DoesNotWaitForATileThatItHasGivenUp) {
 }
 
 // Its disk is full, say, at the moment at which another node is lost.
-TEST_F(OnePart, EndsWhenATileEndsThatWasToGoByTheTable) {
+TEST_F(OneShare, EndsWhenATileEndsThatWasToGoByTheTable) {
   begin();
   run();
   storage_.fault = StorageFault{StorageFault::Call::append, StorageFault::How::exception, 0};
   tell(Packet{
       there, std::uint64_t{1} << 20, {Update{{foreign, {}}, {TileId{0}, {}}, {{}, 0}, 1, BigVector<std::byte>(120)}}});
   change_table(1);
-  run_part();  // so that the tile finds both in its mailbox
+  run_share();  // so that the tile finds both in its mailbox
   EXPECT_TRUE(listen().ended.empty());
   run();
   const auto ended = listen().ended;
@@ -220,9 +220,9 @@ TEST_F(OnePart, EndsWhenATileEndsThatWasToGoByTheTable) {
 }
 
 // The one before it may not have heard, or not written down, that these are nobody's.
-TEST_F(OnePart, TellsWhoeverTakesOverWhichTilesItHasGivenUp) {
+TEST_F(OneShare, TellsWhoeverTakesOverWhichTilesItHasGivenUp) {
   begin();
-  run_part();
+  run_share();
   tell(Release{1});
   run();
   ASSERT_EQ(listen().released.size(), 1u);
@@ -235,7 +235,7 @@ TEST_F(OnePart, TellsWhoeverTakesOverWhichTilesItHasGivenUp) {
 }
 
 // By whoever has a certificate: neither ends the process.
-TEST_F(OnePart, BeginsOnceHoweverOftenItIsToldTo) {
+TEST_F(OneShare, BeginsOnceHoweverOftenItIsToldTo) {
   begin();
   run();
   begin();
@@ -244,7 +244,7 @@ TEST_F(OnePart, BeginsOnceHoweverOftenItIsToldTo) {
 }
 
 // By whoever keeps to no window.
-TEST_F(OnePart, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
+TEST_F(OneShare, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
   begin();
   run();
   const Update update{{foreign, {{}, 1}}, {TileId{0}, {}}, {{}, 1}, 1, BigVector<std::byte>(message_bytes_max)};
@@ -256,24 +256,25 @@ TEST_F(OnePart, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
   }
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);
-  EXPECT_NE(ended[0].find("bytes of mail by tables that did not come"), std::string::npos) << ended[0];
+  EXPECT_NE(ended[0].find("bytes of mail for routing tables that it does not have yet"), std::string::npos) << ended[0];
 }
 
-TEST_F(OnePart, EndsWhenMailIsOfANodeThatNoJobHas) {
+TEST_F(OneShare, EndsWhenMailIsOfANodeThatNoJobHas) {
   begin();
   tell(Packet{NodeId{1 << 16}, std::uint64_t{1} << 20, {}});
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);
-  EXPECT_NE(ended[0].find("got mail of node 65536, which no job has"), std::string::npos) << ended[0];
+  EXPECT_NE(ended[0].find("received mail from node 65536, but no job has a node of this number"), std::string::npos)
+      << ended[0];
 }
 
-TEST_F(OnePart, EndsWhenItsTableIsOfAnotherJob) {
-  tell(BeginShare{parts(), RoutingTable{{}, 0, {NodeId{0}}, {Incarnation()}}, false});
+TEST_F(OneShare, EndsWhenItsTableIsOfAnotherJob) {
+  tell(BeginShare{shares(), RoutingTable{{}, 0, {NodeId{0}}, {Incarnation()}}, false});
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);
-  EXPECT_NE(ended[0].find("got a table that is not of its job"), std::string::npos) << ended[0];
+  EXPECT_NE(ended[0].find("received a routing table that does not fit its job"), std::string::npos) << ended[0];
 }
 
 }  // namespace
