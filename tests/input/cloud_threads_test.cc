@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/input/cloud/cloud.h"
+#include "src/input/cloud/cloud_sample.h"
 #include "tests/input/las_file.h"
 
 namespace tessera::testing_io {
@@ -45,7 +46,7 @@ Seen see(const std::string& folder, CloudOptions options, std::uint32_t threads)
     return seen;
   }
   seen.counts = counts.value();
-  const auto sample = cloud.value().sample(5000);
+  const auto sample = sample_cloud(cloud.value(), 5000);
   if (sample) seen.sample = sample.value();
   return seen;
 }

@@ -203,6 +203,12 @@ Cloud Cloud::of(std::vector<FileInfo> files, std::vector<Attribute> schema, Clou
   return cloud;
 }
 
+InputSplit Cloud::whole() const {
+  InputSplit split;
+  for (std::size_t i = 0; i < files_.size(); ++i) split.ranges.push_back({i});
+  return split;
+}
+
 Result<std::unique_ptr<ByteSource>> Cloud::source(std::size_t index) const {
   const FileInfo& file = files_[index];
   if (spooled_[index]) return share(spooled_[index]);
