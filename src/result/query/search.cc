@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "src/result/export/cell_filter.h"
-#include "src/result/query/impl.h"
 
 namespace tessera::query {
 
