@@ -48,9 +48,7 @@ Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place
       place_(place),
       limits_(limits),
       workers_(workers),
-      time_(transport_->socket().get_executor()),
-      wake_(transport_->socket().get_executor()),
-      look_(transport_->socket().get_executor()) {
+      time_(transport_->socket().get_executor()) {
   front_.metrics().add_connections(1);
 }
 
@@ -146,15 +144,13 @@ asio::awaitable<Answer> Session::answer(Incoming& incoming) {
   never_give_up();
   Request& request = incoming.request;
   if (in_turn(runs)) {
-    asked_ = std::make_unique<Asked>();
-    request.stop = request.caller.stop = asked_->stop.get_token();
-    watch_caller(runs);
+    asked_ = std::make_shared<WatchedWork>(
+        transport_, runs == Runs::changes ? std::optional(limits_.work) : std::optional<std::chrono::milliseconds>());
+    request.stop = request.caller.stop = asked_->token();
+    asked_->watch();
   }
   const auto work = [&] {
-    if (asked_) {
-      asked_->since = std::chrono::steady_clock::now();
-      asked_->begun = true;
-    }
+    if (asked_) asked_->begin();
     return front_.answer(request, incoming.admitted);
   };
   const auto post = [&](auto task) {
@@ -166,7 +162,6 @@ asio::awaitable<Answer> Session::answer(Incoming& incoming) {
   std::optional<Answer> answered = co_await on_worker(post, work);
   incoming.place.reset();
   asked_.reset();
-  look_.cancel();
   co_return std::move(*answered);
 }
 
@@ -268,9 +263,10 @@ asio::awaitable<bool> Session::send(Incoming& incoming, Answer answer) {
   if (!error && !bare && answer.file)
     error = co_await transport_->send_file(answer.file->file.get(), answer.file->offset, answer.file->bytes, progress);
   if (!error && !bare && answer.events) {
-    events_ = answer.events;
-    error = co_await send_events(*events_);
-    events_->on_wake({});
+    events_ = std::make_shared<EventSender>(transport_, answer.events, limits_,
+                                            [this](std::chrono::milliseconds time) { give_up_after(time); });
+    if (draining_) events_->end();
+    error = co_await events_->run();
     events_.reset();
   }
   co_return keep && !error;
