@@ -144,7 +144,7 @@ TEST_F(CloudOfFiles, KeepsTheClassesAskedForWhetherOrNotTheClassIsCarried) {
   }
   file("b.xyz", "1 2 3\n");
   EXPECT_EQ(sentence(collect({at("a.las"), at("b.xyz")}, {.classes = {2}})),
-            at("b.xyz") + ": has no classification, so class cannot choose from it");
+            at("b.xyz") + ": has no attribute 'classification', so class cannot choose points by it");
 }
 
 TEST_F(CloudOfFiles, KeepsTheReturnsAskedForAndDropsFlaggedPoints) {
@@ -170,7 +170,7 @@ TEST_F(CloudOfFiles, KeepsTheReturnsAskedForAndDropsFlaggedPoints) {
   kept({.returns = Returns::first, .without = {"synthetic", "key_point"}, .attributes = {"all"}},
        [](int number, int, int flags) { return number == 1 && (flags & 3) == 0; });
   EXPECT_EQ(sentence(collect({at("a.las")}, {.without = {"overlap"}})),
-            at("a.las") + ": has no overlap, so without cannot choose from it");
+            at("a.las") + ": has no attribute 'overlap', so without cannot choose points by it");
 }
 
 TEST_F(CloudOfFiles, TellsWhatWasFilteredOut) {
@@ -234,7 +234,7 @@ TEST_F(CloudOfFiles, CarriesTheHeightAsAnAttributeIn2D) {
 TEST_F(CloudOfFiles, RefusesAFileWithoutZForA3DCloud) {
   file("a.xyz", "1 2\n3 4\n");
   EXPECT_EQ(sentence(collect({at("a.xyz")})),
-            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see dim)");
+            at("a.xyz") + ": has only x and y, but a 3D triangulation needs z, too (see dim)");
   EXPECT_EQ(collect({at("a.xyz")}, {.dimension = 2}).value().points.size(), 2u);
 }
 

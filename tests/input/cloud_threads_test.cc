@@ -197,7 +197,7 @@ TEST_F(CloudThreads, SettleTheDimensionByAllFiles) {
   folder_.write("b.xyz", "1 2 3\n");
   EXPECT_EQ(Cloud::open({at("b.xyz")}, {.dimension = 0}).value().options().dimension, 3);
   EXPECT_EQ(sentence(Cloud::open({at("a.xyz"), at("b.xyz")}, {.dimension = 0})),
-            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see dim)");
+            at("a.xyz") + ": has only x and y, but a 3D triangulation needs z, too (see dim)");
 }
 
 }  // namespace

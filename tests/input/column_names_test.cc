@@ -122,7 +122,7 @@ TEST(ColumnNames, OfACloudAreForFilesThatHaveColumns) {
   EXPECT_EQ(sample_cloud(cloud.value(), 10).value().front(), surveyed[0]);
   const auto ply = folder.write("a.off", "OFF\n1 0 0\n1 2 3\n").string();
   EXPECT_EQ(sentence(Cloud::open({ply}, named)),
-            "columns: none of the input files is text or NumPy, whose columns it names");
+            "columns: none of the input files is text or NumPy, and other files have no columns");
   EXPECT_TRUE(Cloud::open({ply, path}, named));
 }
 

@@ -154,9 +154,10 @@ Status CloudUnits::read_unit(PointReader& reader, std::size_t unit,
     }
   }
   if (rank == list_[unit].points) return success();
-  return error(Errc::bad_input, cloud_.files()[place.file].path.string() + ": was changed while it was read: it gave " +
-                                    std::to_string(rank) + " points where there were " +
-                                    std::to_string(list_[unit].points));
+  return error(Errc::bad_input, cloud_.files()[place.file].path.string() +
+                                    ": was changed by another program while it was read: it had " +
+                                    std::to_string(list_[unit].points) + " points there, and has " +
+                                    std::to_string(rank));
 }
 
 Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size_t unit) const {
@@ -169,11 +170,13 @@ Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size
     const std::size_t file = places_[unit].file;
     const std::string path = cloud_.files()[file].path.string();
     const std::string record = ", record " + std::to_string(p.id.value - first_ids_[file]) + ": ";
-    if (places_[unit].seen) return error(Errc::bad_input, path + record + "was changed while it was read");
+    if (places_[unit].seen)
+      return error(Errc::bad_input, path + record + "was changed by another program while it was read");
     return error(Errc::bad_input, path + record + text_of(p.at, dimension) +
-                                      " is not in the box that the file states for it, " + text_of(lo, dimension) +
-                                      " to " + text_of(hi, dimension) + ", so what it states cannot be relied on; " +
-                                      option("scan", "true") + " reads all files once and relies on what it has seen");
+                                      " lies outside the box that the file states for it, " + text_of(lo, dimension) +
+                                      " to " + text_of(hi, dimension) + ", so the boxes in the file are wrong; " +
+                                      option("scan", "true") +
+                                      " reads all files once, and takes the boxes of their points instead");
   }
   return success();
 }

@@ -203,13 +203,14 @@ Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, 
 Result<Cell> cell_of(const OpenedResult& result, TileId id, std::int32_t place) {
   const auto& tiles = result.manifest.tiles;
   const auto is_it = [&](const TileEntry& entry) { return entry.tile == id; };
-  const std::string name = result.out.string() + ": tile " + to_string(id);
-  if (std::none_of(tiles.begin(), tiles.end(), is_it)) return error(Errc::usage, name + " is none of its tiles");
+  if (std::none_of(tiles.begin(), tiles.end(), is_it))
+    return error(Errc::usage, result.out.string() + ": has no tile " + to_string(id));
   Walker walker(result.cache, result.manifest, false);
   BOOST_OUTCOME_TRY(tile, walker.tile(id));
   const auto& ghost = tile->mesh().cell_ghost;
   if (place < 0 || static_cast<std::size_t>(place) >= ghost.size() || ghost[static_cast<std::size_t>(place)] != 0)
-    return error(Errc::usage, name + " has no main cell " + std::to_string(place));
+    return error(Errc::usage,
+                 result.out.string() + ": tile " + to_string(id) + " has no main cell " + std::to_string(place));
   Cell cell = cell_at({tile, place});
   cell.final = tile->is_final(place);
   return cell;

@@ -173,8 +173,10 @@ class Search {
       if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while looking for cells");
       BOOST_OUTCOME_TRY(first, tile->find(ids));
       if (first < 0)
-        return error(Errc::corrupt, "tile " + to_string(id) + " lacks a cell around a vertex of its own, " +
-                                        to_string(ids[0]) + " ..., that another tile has");
+        return error(Errc::corrupt, "tile " + to_string(id) +
+                                        " lacks a cell around one of its vertices, which another tile has; the first "
+                                        "vertex of the cell is " +
+                                        to_string(ids[0]));
       look_at(first);
       while (!next.empty() && !too_many()) {
         const std::int32_t cell = next.back();

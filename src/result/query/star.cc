@@ -86,14 +86,14 @@ Result<Star> star_of(const OpenedResult& result, PointId id, std::optional<TileI
                                   std::to_string(manifest.points_read) + " points, counted from 0");
   const auto& tiles = manifest.tiles;
   if (owner && std::none_of(tiles.begin(), tiles.end(), [&](const TileEntry& entry) { return entry.tile == *owner; }))
-    return error(Errc::usage, result.out.string() + ": tile " + to_string(*owner) + " is none of its tiles");
+    return error(Errc::usage, result.out.string() + ": has no tile " + to_string(*owner));
   if (!owner) {
     BOOST_OUTCOME_TRY(found, result.owner_of(id, options.stop));
     if (!found) {
       BOOST_OUTCOME_TRY(kept, kept_for(result.out, manifest, id));
       if (manifest.region)
         return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
-                                      " of the input is no vertex of the cells of this region");
+                                      " of the input is a vertex of no cell of this region");
       if (!kept || *kept == id)
         return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
                                       " of the input is no vertex: it was left out as invalid or filtered");

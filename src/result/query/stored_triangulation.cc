@@ -23,11 +23,13 @@ Result<StoredTriangulation> StoredTriangulation::open(TileSource source, const O
   const std::filesystem::path& out = source.folder();
   const Manifest& manifest = source.manifest();
   if (manifest.region && !options.parts)
-    return error(Errc::usage, out.string() +
-                                  ": holds a region of a triangulation: beside its cells nothing is known of what is "
-                                  "asked; triangulate all points, or export its cells");
+    return error(Errc::usage,
+                 out.string() +
+                     ": holds a region of a triangulation, and what lies around its cells is unknown, so it answers "
+                     "no queries; triangulate all points, or export the cells of the region");
   if (manifest.region && manifest.tiles.size() != 1)
-    return error(Errc::corrupt, out.string() + ": is a region that has not one tile");
+    return error(Errc::corrupt, out.string() + ": is a region, so it must have one tile, but it has " +
+                                    std::to_string(manifest.tiles.size()));
   BOOST_OUTCOME_TRY(homes, Homes::of(out, manifest));
   return StoredTriangulation(std::make_unique<OpenedResult>(std::move(source), std::move(homes), options.memory_bytes));
 }

@@ -170,11 +170,11 @@ std::optional<Answer> Session::refused_by_header(const Incoming& incoming, bool 
   const Admitted& admitted = incoming.admitted;
   const auto encoding = incoming.request.header("transfer-encoding");
   // Beast takes a body in any other encoding for none, and what follows for the next request.
-  if (!encoding.empty() && encoding != "chunked") return problem(501, "Transfer-Encoding: only chunked is understood");
+  if (!encoding.empty() && encoding != "chunked") return problem(501, "Transfer-Encoding: only chunked is supported");
   // What stands before this service may read it as a header of its own.
-  if (folded) return problem(400, "a line of the header begins with a space");
-  if (version != 11 && version != 10) return problem(400, "only HTTP/1.1 and HTTP/1.0 are spoken here");
-  if (!expect.empty() && !incoming.expects_continue) return problem(417, "Expect: only 100-continue is understood");
+  if (folded) return problem(400, "a line of the header begins with a space or a tab");
+  if (version != 11 && version != 10) return problem(400, "only HTTP/1.1 and HTTP/1.0 are supported");
+  if (!expect.empty() && !incoming.expects_continue) return problem(417, "Expect: only 100-continue is supported");
   if (admitted.answer) return std::nullopt;
   if (!admitted.route->upload && incoming.length.value_or(0) > body_bytes)
     return problem(413, "the body is larger than " + std::to_string(body_bytes) + " bytes");

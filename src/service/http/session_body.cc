@@ -23,7 +23,7 @@ std::optional<Answer> Session::take_place(Incoming& incoming) {
     incoming.place.emplace(std::move(*place));
     return std::nullopt;
   }
-  return problem(503, "too many requests wait already, of this token or of all");
+  return problem(503, "too many requests wait already, with this token or in all");
 }
 
 asio::awaitable<bool> Session::read_body(Incoming& incoming) {
@@ -41,7 +41,7 @@ asio::awaitable<bool> Session::read_body(Incoming& incoming) {
       unread_ = true;
       const bool large = error == beast::http::error::body_limit;
       Answer refused = large ? problem(413, "the body is larger than " + std::to_string(limits_.body_bytes) + " bytes")
-                             : problem(400, "the body is not framed as HTTP frames one");
+                             : problem(400, "the chunks of the body are not as HTTP defines them");
       co_await send(incoming, std::move(refused));
       co_return false;
     }

@@ -107,7 +107,7 @@ void TileTriangulation::introduce() {
   for (const Refused& r : refused_) {
     stop_check_.step();
     const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
-    check_read(!again.inserted, "what conflicts with no local star never will");
+    check_read(!again.inserted, "a point that was in conflict with no local star never will be");
     for (const Vertex w : around_) {
       if (!is_known_by(r.point.tile, w) && !known_.rely_on_told_bit_of_refused(r.point, r.from, owners_[w]) &&
           !known_.rely_on_told_bit(w, owners_[w], r.point.tile))

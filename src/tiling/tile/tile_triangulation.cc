@@ -211,8 +211,10 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> poin
 
 // Nothing that a peer sends may stop the process.
 Error TileTriangulation::refuse(TileId from, const SharedPoint& p) const {
-  return error(Errc::internal, "tile " + to_string(options_.self) + ": tile " + to_string(from) + " told it of point " +
-                                   to_string(p.id) + ", which it cannot have");
+  return error(Errc::internal, "tile " + to_string(options_.self) + ": tile " + to_string(from) + " has sent point " +
+                                   to_string(p.id) +
+                                   ", which no sound tile sends: the point belongs to this tile or to no tile, is not "
+                                   "finite, or has the coordinates of another point");
 }
 
 Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
