@@ -52,7 +52,7 @@ Result<BigVector<std::byte>> TileFinals::take_stored() {
 // Does not cover what the storage has returned for the early cells: the cells are the same, wherever they are stored.
 std::uint64_t TileFinals::sum_of(const PendingFinals& finals) {
   std::uint64_t sum = finals.early + std::uint64_t{1};
-  for (const auto bytes : {std::as_bytes(std::span(finals.place)), std::as_bytes(std::span(finals.frozen)),
+  for (const auto bytes : {std::as_bytes(std::span(finals.mesh_index)), std::as_bytes(std::span(finals.frozen)),
                            std::as_bytes(std::span(finals.cells.rows.data(), finals.cells.rows.size()))}) {
     sum = checksum(bytes, sum);
   }
@@ -66,7 +66,7 @@ Status TileFinals::put_aside() {
   FlatWriter out;
   out.reserve(finals_->bytes() + stored_early_.size() + 64);
   out.value(finals_->early);
-  out.list(finals_->place);
+  out.list(finals_->mesh_index);
   out.list(finals_->frozen);
   out.list(finals_->cells.rows);
   out.list(stored_early_);
@@ -78,7 +78,7 @@ Status TileFinals::put_aside() {
 bool TileFinals::decode(std::span<const std::byte> bytes, std::uint64_t own_points) {
   auto finals = std::make_unique<PendingFinals>();
   FlatReader in(bytes);
-  const bool read = in.value(finals->early) && in.list(finals->place) && in.list(finals->frozen) &&
+  const bool read = in.value(finals->early) && in.list(finals->mesh_index) && in.list(finals->frozen) &&
                     in.list(finals->cells.rows) && in.list(stored_early_) && in.at_end();
   // The cells of another image of the same tile can be sound, but the kernel may not know them.
   if (!read || !finals->sound(stage_.dimension, own_points) || sum_of(*finals) != sum_) return false;
@@ -89,7 +89,7 @@ bool TileFinals::decode(std::span<const std::byte> bytes, std::uint64_t own_poin
 Result<bool> TileFinals::restore(std::span<const std::byte> bytes, std::uint64_t own_points, bool at_once) {
   if (!decode(bytes, own_points)) return false;
   // How final cells were stored depends on these options, and others may have been in force then.
-  const bool placed = !finals_->place.empty() || finals_->early > 0;
+  const bool placed = !finals_->mesh_index.empty() || finals_->early > 0;
   if (placed != stage_.stores_early(own_points) && (placed || finals_->cells.rows.size() > 0)) return false;
   if (finals_->early > 0 && !stage_.store->take_early(self_, stored_early_)) return false;
   if (stage_.reduce && !at_once) {

@@ -5,7 +5,7 @@
 
 namespace tessera::query {
 
-Cell cell_at(const Place& place) {
+Cell cell_at(const CellRef& place) {
   Cell cell{.tile = place.tile->id(), .cell = place.cell};
   for (std::size_t k = 0; k < place.tile->corners(); ++k)
     cell.vertices[k] = place.tile->id_of(place.tile->vertex(place.cell, k));

@@ -49,7 +49,7 @@ struct OpenedResult {
 };
 
 // REQUIRES: the cell is main in the tile.
-Cell cell_at(const Place& place);
+Cell cell_at(const CellRef& place);
 Vertex vertex_at(const QueryTile& tile, std::int32_t vertex);
 
 }  // namespace tessera::query

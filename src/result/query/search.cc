@@ -99,7 +99,7 @@ class Search {
       : walker_(walker), area_(area), box_(box), near_(nearness(box)), cells_max_(cells_max), stop_(stop) {}
 
   // Begins at this cell. Returns false if the cell does not meet the area.
-  bool begin(const Place& main) {
+  bool begin(const CellRef& main) {
     if (!meets_area(*main.tile, main.cell)) return false;
     tiles_[main.tile->id()].waiting.push_back(main.tile->ids(main.cell));
     return true;
@@ -225,7 +225,7 @@ Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifes
                                          : probes_of(box, manifest.dimension)) {
     BOOST_OUTCOME_TRY(tile, walker.tile(homes(probe)));
     std::size_t from = 0;
-    Place at{tile, tile->start(probe, tile->key(probe), from)};
+    CellRef at{tile, tile->start(probe, tile->key(probe), from)};
     BOOST_OUTCOME_TRY(located, walker.locate(probe, at));
     if (!located.place) continue;
     BOOST_OUTCOME_TRY(main, walker.main_place(located.place));

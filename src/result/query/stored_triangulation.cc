@@ -58,7 +58,7 @@ Result<std::vector<Cell>> StoredTriangulation::locate(std::span<const Point> poi
 Result<CellDetails> StoredTriangulation::details(const Cell& cell) const {
   Walker walker(result_->cache, result_->manifest, false);
   BOOST_OUTCOME_TRY(tile, walker.tile(cell.tile));
-  const Place place{tile, cell.cell};
+  const CellRef place{tile, cell.cell};
   CellDetails details{.cell = cell, .vertices = {}, .neighbors = {}};
   for (std::size_t k = 0; k < tile->corners(); ++k) {
     details.vertices.push_back(vertex_at(*tile, tile->vertex(cell.cell, k)));

@@ -160,7 +160,7 @@ asio::awaitable<Answer> Session::answer(Incoming& incoming) {
       asio::post(runs == Runs::health ? workers_.health : workers_.disk, std::move(task));
   };
   std::optional<Answer> answered = co_await on_worker(post, work);
-  incoming.place.reset();
+  incoming.slot.reset();
   asked_.reset();
   co_return std::move(*answered);
 }
@@ -241,7 +241,7 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   }
   if (auto refused = refused_by_header(incoming, folded, expect, message.version(), limits_.body_bytes))
     admitted.answer = std::move(*refused);
-  if (!admitted.answer) admitted.answer = take_place(incoming);
+  if (!admitted.answer) admitted.answer = take_slot(incoming);
   give_up_after(limits_.body);
   if (!admitted.answer && incoming.expects_continue && incoming.has_body() && buffer_.size() == 0) {
     const std::function<void()> no_matter = [] {};

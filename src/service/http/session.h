@@ -50,7 +50,7 @@ class Session : public std::enable_shared_from_this<Session> {
   static std::optional<Answer> refused_by_header(const Incoming& incoming, bool folded, const std::string& expect,
                                                  unsigned version, std::uint64_t body_bytes);
   asio::awaitable<bool> read_header(Incoming& incoming);
-  std::optional<Answer> take_place(Incoming& incoming);
+  std::optional<Answer> take_slot(Incoming& incoming);
   Turns& turns(Runs runs) { return *(runs == Runs::changes ? workers_.changes : workers_.questions); }
   asio::awaitable<bool> read_body(Incoming& incoming);
   asio::awaitable<bool> take_upload(Incoming& incoming);

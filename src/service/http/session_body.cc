@@ -13,14 +13,14 @@ constexpr std::size_t buffered_max = 64 << 10, upload_piece = 256 << 10;
 
 }  // namespace
 
-// Takes a place for the request. Returns the reason as an answer when there is none.
-std::optional<Answer> Session::take_place(Incoming& incoming) {
+// Takes a slot of the queue for the request. Returns the reason as an answer when there is none.
+std::optional<Answer> Session::take_slot(Incoming& incoming) {
   const Runs runs = incoming.admitted.route->runs;
   if (!in_turn(runs)) return std::nullopt;
-  auto place = turns(runs).enter(incoming.request.caller.name,
-                                 incoming.chunked ? limits_.body_bytes : incoming.length.value_or(0));
-  if (place) {
-    incoming.place.emplace(std::move(*place));
+  auto slot = turns(runs).enter(incoming.request.caller.name,
+                                incoming.chunked ? limits_.body_bytes : incoming.length.value_or(0));
+  if (slot) {
+    incoming.slot.emplace(std::move(*slot));
     return std::nullopt;
   }
   return problem(503, "too many requests wait already, with this token or in all");

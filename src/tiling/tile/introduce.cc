@@ -32,10 +32,10 @@ double longest_edge(std::span<const Point> corners) {
 // none of them inside.
 bool reaches_well(const Ball& ball, const Bounds& bounds, int dimension) {
   if (bounds.empty()) return false;
-  const double most = ball.reach * ball.reach;
+  const double most = ball.radius * ball.radius;
   double squared = 0;
   for (int i = 0; i < dimension; ++i) {
-    const double depth = std::min(announce_depth * ball.reach, (bounds.hi[i] - bounds.lo[i]) / 4);
+    const double depth = std::min(announce_depth * ball.radius, (bounds.hi[i] - bounds.lo[i]) / 4);
     const double gap = std::max({bounds.lo[i] + depth - ball.center[i], ball.center[i] + depth - bounds.hi[i], 0.0});
     squared += gap * gap;
     if (squared > most) return false;
@@ -79,7 +79,7 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     if (std::none_of(v, v + corners, [&](Vertex w) { return is_local(w); })) continue;
     for (int i = 0; i < corners; ++i) p[i] = at(v[i]);
     const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
-    if (!ball.known || ball.reach > longest_edge(std::span(p).first(corners))) continue;
+    if (!ball.known || ball.radius > longest_edge(std::span(p).first(corners))) continue;
     for (const TileId n : neighbours) {
       if (!reaches_well(ball, options_.around->bounds(n), d)) continue;
       for (int i = 0; i < corners; ++i) send(v[i], n);
