@@ -37,7 +37,7 @@ class Transport:
         given = urllib.parse.parse_qs(parts.fragment or parts.query).get("token", [None])[0]
         self._token = token if token is not None else given
         if self._token is not None and not (self._token.isascii() and self._token.isprintable() and " " not in self._token):
-            raise UsageError("token holds characters that a token cannot hold")
+            raise UsageError("token has a character that no token can have")
         self.heard = False  # whether the daemon has ever answered
         self._tls = None
         if parts.scheme == "https":
@@ -85,13 +85,13 @@ class Transport:
             raise UsageError(f"{self.url}: the certificate of the server is not trusted: {error.verify_message}; "
                              "ca names a file with its authority's") from None
         except ssl.SSLError as error:
-            raise UsageError(f"{self.url}: no TLS is spoken there: {error.reason or error}") from None
+            raise UsageError(f"{self.url}: the server there does not use TLS: {error.reason or error}") from None
         except TimeoutError:
             raise ConnectionLost(f"{self.url}: the server does not answer in time") from None
         except OSError as error:
             raise ConnectionLost(f"{self.url}: the server cannot be reached: {error.strerror or error}") from None
         except http.client.BadStatusLine:
-            raise UsageError(f"{self.url}: no HTTP is spoken there") from None
+            raise UsageError(f"{self.url}: the server there does not use HTTP") from None
         except http.client.HTTPException as error:
             raise ConnectionLost(f"{self.url}: the server has ended the connection: {error!r}") from None
 
@@ -109,7 +109,7 @@ class Transport:
             return answer.readline(1 << 20)
 
     def no_tessera(self) -> Error:
-        return UsageError(f"{self.url}: what answers there is no Tessera server")
+        return UsageError(f"{self.url}: the server there is no Tessera server")
 
     def _refusal(self, answer: http.client.HTTPResponse, method: str) -> Error:
         if "json" not in answer.headers.get("Content-Type", ""):
@@ -163,4 +163,4 @@ class Transport:
             there = urllib.parse.urlsplit(urllib.parse.urljoin(f"{self.url[:len(self.url) - len(self._base)]}{here}", following[0]))
             here = there.path + (f"?{there.query}" if there.query else "")
             if there.netloc != urllib.parse.urlsplit(self.url).netloc or not here.startswith(f"{self._base}/v1/"):
-                raise IoError(f"{self.url}: the server's answer links to another one")
+                raise IoError(f"{self.url}: the server's answer has a link to another server")

@@ -77,7 +77,7 @@ def _receive(http: Transport, file: File, partial: pathlib.Path, patience_s: flo
             with http.open("GET", file.path, headers) as answer:
                 goes_on = answer.status == 206 and (answer.headers.get("Content-Range") or "").startswith(f"bytes {have}-")
                 if answer.status == 206 and not goes_on:
-                    raise IoError(f"{http.url}: the server sends another part of the file than asked for")
+                    raise IoError(f"{http.url}: the server has sent another part of the file than it was asked for")
                 with partial.open("ab" if goes_on else "wb") as out:
                     while content := http.read(answer, 1 << 20):
                         out.write(content)
@@ -88,7 +88,7 @@ def _receive(http: Transport, file: File, partial: pathlib.Path, patience_s: flo
             patience.wait(lost)
         except Error as refused:
             if refused._http_status == 416:
-                raise CorruptError(f"{file.path}: is shorter on the server than what is here of it") from None
+                raise CorruptError(f"{file.path}: is shorter on the server than the part of it that is here") from None
             raise
 
 

@@ -5,16 +5,9 @@
 #include <bit>
 #include <cstdint>
 
-namespace tessera {
+#include "src/base/mixed_bits.h"
 
-// The finaliser of splitmix64: a bijection in which every input bit affects all output bits. Source: Steele, Lea,
-// Flood, OOPSLA 2014.
-constexpr std::uint64_t mixed_bits(std::uint64_t v) {
-  v += 0x9E3779B97F4A7C15u;
-  v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
-  v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
-  return v ^ (v >> 31);
-}
+namespace tessera {
 
 // A generator of random numbers: xoshiro256++, seeded by splitmix64 as its authors advise. Source: Blackman, Vigna, ACM
 // TOMS 2021.

@@ -1,7 +1,6 @@
 #include "src/delaunay/delaunay_program.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -35,15 +34,13 @@ std::unique_ptr<TileProgram> DelaunayStage::program_of(TileId tile) const {
 
 // `announce`: the exchange follows; else the tile is finished next.
 Status DelaunayProgram::build(bool announce) {
-  finals_.reset();  // may be left from an image that could not be restored
-  stored_early_ = {};
-  finals_sum_ = 0;
+  finals_.clear();
   gone_ = {};
   BOOST_OUTCOME_TRY(loaded, stage_.store->load_points(self_));
   own_points_ = loaded.points.size();
   if (!loaded.duplicates.empty()) {
-    BOOST_OUTCOME_TRYV(stage_.storage->write(self_, ScratchKind::duplicates, duplicates_to_bytes(loaded)));
-    std::vector<std::pair<PointId, PointId>>().swap(loaded.duplicates);
+    const auto pairs = duplicates_for_scratch(std::exchange(loaded.duplicates, {}), loaded.other_heights);
+    BOOST_OUTCOME_TRYV(stage_.storage->write(self_, ScratchKind::duplicates, std::as_bytes(std::span(pairs))));
   }
   const Box& box = (*stage_.boxes)[self_.value];
   triangulation_ = std::make_unique<TileTriangulation>(options());
@@ -52,10 +49,10 @@ Status DelaunayProgram::build(bool announce) {
   // A tile that is collected next need not be reduced, except to store its early cells.
   if (!keeps_cells()) {
     if (announce) discard(loaded, box);
-  } else if (early() || (stage_.reduce && announce)) {
+  } else if (stage_.stores_early(own_points_) || (stage_.reduce && announce)) {
     FinalCells finals = triangulation_->reduce(loaded.points, box, !stage_.reduce || !announce);
     if (triangulation_->handed_out()) {
-      BOOST_OUTCOME_TRYV(keep_finals(std::move(finals), loaded, !announce));
+      BOOST_OUTCOME_TRYV(finals_.keep(std::move(finals), loaded.ids, !announce));
     }
   }
   if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
@@ -90,9 +87,7 @@ Status DelaunayProgram::take(TileId from, bool current, Message message) {
 }
 
 Status DelaunayProgram::step() {
-  if (storing_.valid() && storing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    BOOST_OUTCOME_TRYV(await_stored());  // a full disk is noticed now, not at the end
-  }
+  BOOST_OUTCOME_TRYV(finals_.stored_so_far());  // a full disk is noticed now, not at the end
   BOOST_OUTCOME_TRYV(insert());
   triangulation_->introduce();
   counts_ = triangulation_->counts();
@@ -152,7 +147,7 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
   }
   PendingFinals finals;
   if (triangulation_->handed_out()) {
-    auto taken = take_finals();
+    auto taken = finals_.take(own_points_);
     // no tile can begin from this image again, as it needs the final cells
     if (!taken && taken.error().code == Errc::corrupt) {
       BOOST_OUTCOME_TRYV(stage_.storage->remove(self_, ScratchKind::state));
@@ -161,15 +156,15 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
     finals = std::move(taken).value();
   }
   CollectedTile tile = triangulation_->collect(std::move(points_->points), std::move(points_->ids), std::move(finals));
-  BOOST_OUTCOME_TRYV(await_stored());
-  tile.stored = std::move(stored_early_);
+  BOOST_OUTCOME_TRY(stored, finals_.take_stored());
+  tile.stored = std::move(stored);
   counts_ = triangulation_->counts();
   return std::unique_ptr<Finished>(std::make_unique<FinishedTile>(self_, std::move(tile), *stage_.store));
 }
 
 Image DelaunayProgram::save() {
   Image bytes = triangulation_->save();
-  const ImageEnd end{own_points_, keeps_cells() ? 0u : 1u, gone_, finals_sum_};
+  const ImageEnd end{own_points_, keeps_cells() ? 0u : 1u, gone_, finals_.sum()};
   const auto last = std::as_bytes(std::span(&end, 1));
   bytes.insert(bytes.end(), last.begin(), last.end());
   earlier_ = false;
@@ -195,8 +190,8 @@ Result<bool> DelaunayProgram::load(Image image, ImageOf whose) {
 Result<bool> DelaunayProgram::wake(Image image) {
   ImageEnd end;
   triangulation_ = decode(std::move(image), end);
-  if (!triangulation_ || end.own_points != own_points_ || end.finals_sum != finals_sum_) return false;
-  if (earlier_) triangulation_->forget_words();
+  if (!triangulation_ || end.own_points != own_points_ || end.finals_sum != finals_.sum()) return false;
+  if (earlier_) triangulation_->forget_told_bits();
   if (!triangulation_->reduced()) {
     BOOST_OUTCOME_TRYV(load_own_points());
   }
@@ -212,7 +207,7 @@ Result<bool> DelaunayProgram::restore(Image image, const Image* finals, bool at_
   auto tile = decode(std::move(image), end);
   if (!tile) return false;
   own_points_ = end.own_points;
-  finals_sum_ = end.finals_sum;
+  finals_.expect(end.finals_sum);
   gone_ = end.gone;
   if (keeps_cells() && tile->handed_out()) {
     TileStorage::Pieces pieces;
@@ -221,7 +216,7 @@ Result<bool> DelaunayProgram::restore(Image image, const Image* finals, bool at_
       if (!read || read.value().size() != 1) return false;
       pieces = std::move(read).value();
     }
-    BOOST_OUTCOME_TRY(sound, restore_finals(finals ? *finals : pieces[0], at_once));
+    BOOST_OUTCOME_TRY(sound, finals_.restore(finals ? *finals : pieces[0], own_points_, at_once));
     if (!sound) return false;
   }
   triangulation_ = std::move(tile);
@@ -268,12 +263,12 @@ Status DelaunayProgram::load_own_points() {
 void DelaunayProgram::free() {
   triangulation_.reset();
   points_.reset();
-  finals_.reset();
+  finals_.free();
 }
 
 std::size_t DelaunayProgram::memory() const {
   return (triangulation_ ? triangulation_->memory() : 0) + (points_ ? points_->points.size() * 32 : 0) +
-         (finals_ ? finals_->bytes() : 0);
+         finals_.memory();
 }
 
 }  // namespace tessera

@@ -33,11 +33,10 @@ Result<Found> duplicates_of(const RoutedCloud& run, TileId tile, std::uint64_t c
 
 }  // namespace
 
-// The number of other heights follows the pairs, as one more pair. So the pairs are written from where they are,
-// without a copy.
-std::span<const std::byte> duplicates_to_bytes(LoadedTile& loaded) {
-  loaded.duplicates.emplace_back(PointId{loaded.other_heights}, PointId{0});
-  return std::as_bytes(std::span(loaded.duplicates));
+std::vector<std::pair<PointId, PointId>> duplicates_for_scratch(std::vector<std::pair<PointId, PointId>> duplicates,
+                                                                std::uint64_t other_heights) {
+  duplicates.emplace_back(PointId{other_heights}, PointId{0});
+  return duplicates;
 }
 
 Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles,

@@ -1,9 +1,8 @@
 // Gathers the duplicates of a whole run, which need not fit into memory, from what each tile has left on scratch.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "src/base/result.h"
@@ -12,9 +11,10 @@
 
 namespace tessera {
 
-// Returns what a tile leaves on scratch of its duplicates: the pairs, and how many have other heights. Adds an entry to
-// loaded.duplicates. Valid until loaded.duplicates is changed.
-std::span<const std::byte> duplicates_to_bytes(LoadedTile& loaded);
+// Returns what a tile leaves on scratch of its duplicates: the pairs (duplicate, kept), and one more pair, whose first
+// number says how many of the duplicates have other heights.
+std::vector<std::pair<PointId, PointId>> duplicates_for_scratch(std::vector<std::pair<PointId, PointId>> duplicates,
+                                                                std::uint64_t other_heights);
 
 // Adds the pairs of all tiles to `out`. Returns how many duplicates have another height than the kept point. `tiles`:
 // the entries of all tiles that hold points; their numbers of vertices tell how many pairs there are. Pairs whose

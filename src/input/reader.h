@@ -45,6 +45,12 @@ struct FileInfo {
   std::uint64_t bytes = 0;          // size of the stored file
   std::uint64_t content_bytes = 0;  // size of the content: `bytes` unless the file is compressed
   std::int64_t modified_ns = 0;     // nanoseconds since 1970
+
+  // The number of points, estimated by the size of the file where its header gives none.
+  std::uint64_t about_points() const {
+    constexpr std::uint64_t line_bytes = 32;  // of a usual line of text or ASCII PLY
+    return points ? *points : content_bytes / line_bytes;
+  }
 };
 
 // Points in the order of the file. Readers pass on coordinates that are not finite; the caller drops or refuses them.

@@ -7,6 +7,7 @@
 #include "src/base/option.h"
 #include "src/base/phases.h"
 #include "src/input/bytes/spool.h"
+#include "src/input/cloud/cloud_sample.h"
 #include "src/input/cloud/inputs.h"
 #include "src/job/describe.h"
 #include "src/job/describe_points.h"
@@ -65,7 +66,7 @@ Result<Forecast> forecast(const JobOptions& options, const Cloud& cloud, std::ui
   Forecast made;
   BOOST_OUTCOME_TRY(limit, tile_limit(options, cloud));
   made.limit = limit;
-  BOOST_OUTCOME_TRY(sample, cloud.sample(sample_wanted));
+  BOOST_OUTCOME_TRY(sample, sample_cloud(cloud, sample_wanted));
   for (const auto& p : sample) made.sampled.add(p);
   const int dimension = options.cloud.dimension;
   if (!sample.empty()) {

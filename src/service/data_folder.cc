@@ -8,7 +8,7 @@
 #include "src/base/files/names.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
-#include "src/base/random.h"
+#include "src/base/mixed_bits.h"
 #include "src/exchange/terms.h"
 #include "src/service/processes/costs.h"
 #include "src/service/data_format.h"

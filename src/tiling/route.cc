@@ -11,6 +11,8 @@
 #include "src/base/files/names.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/option.h"
+#include "src/input/cloud/cloud_sample.h"
+#include "src/input/cloud/input_splits.h"
 #include "src/input/cloud/point_filter.h"
 #include "src/tiling/budget/budget.h"
 #include "src/tiling/kept_points.h"
@@ -91,7 +93,7 @@ Result<Survey> survey_cloud(const Cloud& cloud, const RouteOptions& options, con
   const auto wanted = static_cast<std::size_t>(budget::sample_points(options.memory_bytes, survey.total));
   if (!known && options.tiles == 0) return survey_all(cloud, wanted, stop);
   if (!known) survey.total = 0;
-  BOOST_OUTCOME_TRY(sample, cloud.sample(wanted));
+  BOOST_OUTCOME_TRY(sample, sample_cloud(cloud, wanted));
   survey.sample = std::move(sample);
   return survey;
 }
@@ -193,7 +195,7 @@ Result<RoutedCloud> route(const Cloud& cloud, const std::filesystem::path& folde
   RoutedPoints& routed = writer.routed();
   std::vector<InputSplit> splits{cloud.whole()};
   if (router) {
-    BOOST_OUTCOME_TRY(cut, cloud.splits(router->stretch_points(progress.points_total)));
+    BOOST_OUTCOME_TRY(cut, cut_into_splits(cloud, router->stretch_points(progress.points_total)));
     splits = std::move(cut);
   }
   if (splits.size() > 1) {

@@ -150,7 +150,7 @@ TEST_F(OptionsOfTheCommand, ThatMakeNoSenseAreUsage) {
             "crop: is not xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax");
   EXPECT_EQ(said(TriangulationOptions().classes({2, 300})), "classes: LAS has the classes 0 to 255");
   EXPECT_EQ(said(TriangulationOptions().classes({2})),
-            "the array: has no classification, so classes cannot choose from it");
+            "the array: has no attribute 'classification', so classes cannot choose points by it");
   EXPECT_EQ(said(TriangulationOptions().resolution(-1)),
             "resolution: must be a distance, above 0, or 0 for all levels");
   EXPECT_EQ(said(TriangulationOptions().tiles(2'000'000)), "tiles: more than 1000000 tiles are not possible");

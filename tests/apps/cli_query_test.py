@@ -160,7 +160,7 @@ class Query(CliTest):
                                ("--method", ["interpolate", "ground.csv", "--value", "z", "--method", "cubic"]),
                                ("belongs to 'cells'", ["locate", "1,1", "--bbox", "0,0,1,1"]),
                                ("npy", ["locate", "--points", "ground.csv", "--format", "xls"]),
-                               ("values alone", ["interpolate", "ground.csv", "--value", "z", "--weights", "-o", "a.npy"])]:
+                               ("holds only values", ["interpolate", "ground.csv", "--value", "z", "--weights", "-o", "a.npy"])]:
             with self.subTest(question=question):
                 self.refused(USAGE, "query", out, *question, says=says)
         self.refused(IO, "query", self.folder / "none", "locate", "1,1")

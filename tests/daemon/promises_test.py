@@ -74,7 +74,7 @@ class Promises(DaemonTest):
                      "audit: read (read) from 127.0.0.1: POST /v1/processes/verify/execution: 403"):
             self.assertIn(line, log)
         another = ("audit: nobody from 127.0.0.1: and 1 more refusal",  # within a second, or later
-                   "audit: nobody (none) from 127.0.0.1: GET /v1/jobs: 401, the token is not one of this service's")
+                   "audit: nobody (none) from 127.0.0.1: GET /v1/jobs: 401, the service does not know this token")
         self.assertEqual(sum(line in log for line in another), 1, log)
         for token in (daemon.token, "0123456789" * 6, "abcdefghij" * 6, "wrong"):
             self.assertNotIn(token, log)

@@ -167,7 +167,7 @@ class Shapes(DaemonTest):
             self.assertEqual([corner["point"] for corner in found["vertices"]], self.cells[tile][cell].tolist())
             self.assertIn(None, found["neighbors"])
         for wrong, said in (("1", "cell: give TILE,CELL"), ("a,b", "cell: give"), ("1,-1", "cell: give"), ("0,1&point=1,2,3", "cell: give"),
-                            ("99999,1", "none of its tiles"), ("0,99999999", "no main cell 99999999")):
+                            ("99999,1", "has no tile 99999"), ("0,99999999", "no main cell 99999999")):
             status, _, problem = self.daemon.request("GET", f"/v1/triangulations/solid/locate?cell={wrong}")
             self.assertEqual(status, 400, problem)
             self.assertIn(said, problem["detail"])

@@ -92,7 +92,7 @@ TEST_F(TurnsOfCallers, WhoHasHadNoTurnForLongestIsNext) {
 }
 
 TEST_F(TurnsOfCallers, PlacesAreBoundedForACallerAndInAll) {
-  std::deque<Turns::Place> held;
+  std::deque<Turns::QueueSlot> held;
   const auto take = [&](const std::string& caller, std::uint64_t bytes) {
     auto place = turns_->enter(caller, bytes);
     if (!place) return false;

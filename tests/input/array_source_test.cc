@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/input/cloud/cloud.h"
+#include "src/input/cloud/cloud_sample.h"
 #include "src/input/reader.h"
 
 namespace tessera {
@@ -86,7 +87,7 @@ TEST(CloudOfASource, IsReadAndSampledAsOftenAsWanted) {
     });
     EXPECT_EQ(counts.value().read, 70'000u);
   }
-  EXPECT_GT(cloud.sample(1000).value().size(), 500u);
+  EXPECT_GT(sample_cloud(cloud, 1000).value().size(), 500u);
 }
 
 TEST(CloudOfASource, ErrorsNameItAndTheRow) {

@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "src/input/cloud/cloud_sample.h"
 #include "tests/input/las_file.h"
 
 namespace tessera::testing_io {
@@ -143,7 +144,7 @@ TEST_F(CloudOfFiles, KeepsTheClassesAskedForWhetherOrNotTheClassIsCarried) {
   }
   file("b.xyz", "1 2 3\n");
   EXPECT_EQ(sentence(collect({at("a.las"), at("b.xyz")}, {.classes = {2}})),
-            at("b.xyz") + ": has no classification, so class cannot choose from it");
+            at("b.xyz") + ": has no attribute 'classification', so class cannot choose points by it");
 }
 
 TEST_F(CloudOfFiles, KeepsTheReturnsAskedForAndDropsFlaggedPoints) {
@@ -169,7 +170,7 @@ TEST_F(CloudOfFiles, KeepsTheReturnsAskedForAndDropsFlaggedPoints) {
   kept({.returns = Returns::first, .without = {"synthetic", "key_point"}, .attributes = {"all"}},
        [](int number, int, int flags) { return number == 1 && (flags & 3) == 0; });
   EXPECT_EQ(sentence(collect({at("a.las")}, {.without = {"overlap"}})),
-            at("a.las") + ": has no overlap, so without cannot choose from it");
+            at("a.las") + ": has no attribute 'overlap', so without cannot choose points by it");
 }
 
 TEST_F(CloudOfFiles, TellsWhatWasFilteredOut) {
@@ -233,7 +234,7 @@ TEST_F(CloudOfFiles, CarriesTheHeightAsAnAttributeIn2D) {
 TEST_F(CloudOfFiles, RefusesAFileWithoutZForA3DCloud) {
   file("a.xyz", "1 2\n3 4\n");
   EXPECT_EQ(sentence(collect({at("a.xyz")})),
-            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see dim)");
+            at("a.xyz") + ": has only x and y, but a 3D triangulation needs z, too (see dim)");
   EXPECT_EQ(collect({at("a.xyz")}, {.dimension = 2}).value().points.size(), 2u);
 }
 
@@ -282,9 +283,9 @@ TEST_F(SampleOfCloud, IsEvenDeterministicAndOfAboutTheSizeAskedFor) {
   las("a.las", 300000);
   text("b.xyz", 100000);
   const auto cloud = Cloud::open({at("a.las"), at("b.xyz")}, {});
-  const auto sample = cloud.value().sample(20000);
+  const auto sample = sample_cloud(cloud.value(), 20000);
   ASSERT_EQ(sentence(sample), "");
-  const auto again = cloud.value().sample(20000);
+  const auto again = sample_cloud(cloud.value(), 20000);
   EXPECT_EQ(sample.value(), again.value());
   EXPECT_GE(sample.value().size(), 10000u);
   EXPECT_LE(sample.value().size(), 40000u);
@@ -301,11 +302,11 @@ TEST_F(SampleOfCloud, IsEvenDeterministicAndOfAboutTheSizeAskedFor) {
 TEST_F(SampleOfCloud, OfMoreThanThereIsIsEverything) {
   las("a.las", 5000);
   const auto cloud = Cloud::open({at("a.las")}, {});
-  const auto sample = cloud.value().sample(1000000);
+  const auto sample = sample_cloud(cloud.value(), 1000000);
   std::set<double> xs;
   for (const auto& p : sample.value()) xs.insert(p.x);
   EXPECT_EQ(xs.size(), 5000u);
-  EXPECT_TRUE(cloud.value().sample(0).value().empty());
+  EXPECT_TRUE(sample_cloud(cloud.value(), 0).value().empty());
 }
 
 TEST_F(SampleOfCloud, FindsEnoughInASmallPartOfTheCloud) {
@@ -314,7 +315,7 @@ TEST_F(SampleOfCloud, FindsEnoughInASmallPartOfTheCloud) {
   crop.lo.x = 100000;
   crop.hi.x = 102999;
   const auto cloud = Cloud::open({at("a.las")}, {.crop = crop});
-  const auto sample = cloud.value().sample(2000);
+  const auto sample = sample_cloud(cloud.value(), 2000);
   ASSERT_EQ(sentence(sample), "");
   EXPECT_GE(sample.value().size(), 1000u);
   for (const auto& p : sample.value()) EXPECT_TRUE(p.x >= 100000 && p.x <= 102999);
@@ -322,11 +323,11 @@ TEST_F(SampleOfCloud, FindsEnoughInASmallPartOfTheCloud) {
 
 TEST_F(SampleOfCloud, OfNothingIsEmpty) {
   las("a.las", 0);
-  EXPECT_TRUE(Cloud::open({at("a.las")}, {}).value().sample(100).value().empty());
+  EXPECT_TRUE(sample_cloud(Cloud::open({at("a.las")}, {}).value(), 100).value().empty());
   las("b.las", 100);
   Box nowhere;
   nowhere.lo.x = 1e9;
-  EXPECT_TRUE(Cloud::open({at("b.las")}, {.crop = nowhere}).value().sample(100).value().empty());
+  EXPECT_TRUE(sample_cloud(Cloud::open({at("b.las")}, {.crop = nowhere}).value(), 100).value().empty());
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/input/cloud/cloud.h"
+#include "src/input/cloud/cloud_sample.h"
 #include "tests/input/las_file.h"
 
 namespace tessera::testing_io {
@@ -45,7 +46,7 @@ Seen see(const std::string& folder, CloudOptions options, std::uint32_t threads)
     return seen;
   }
   seen.counts = counts.value();
-  const auto sample = cloud.value().sample(5000);
+  const auto sample = sample_cloud(cloud.value(), 5000);
   if (sample) seen.sample = sample.value();
   return seen;
 }
@@ -196,7 +197,7 @@ TEST_F(CloudThreads, SettleTheDimensionByAllFiles) {
   folder_.write("b.xyz", "1 2 3\n");
   EXPECT_EQ(Cloud::open({at("b.xyz")}, {.dimension = 0}).value().options().dimension, 3);
   EXPECT_EQ(sentence(Cloud::open({at("a.xyz"), at("b.xyz")}, {.dimension = 0})),
-            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see dim)");
+            at("a.xyz") + ": has only x and y, but a 3D triangulation needs z, too (see dim)");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "src/input/cloud/cloud.h"
+#include "src/input/cloud/cloud_sample.h"
 #include "tests/input/io_testing.h"
 
 namespace tessera::testing_io {
@@ -118,10 +119,10 @@ TEST(ColumnNames, OfACloudAreForFilesThatHaveColumns) {
   ASSERT_TRUE(cloud.value().for_each_batch(visit));
   ASSERT_EQ(points.size(), 3u);
   EXPECT_EQ(points[0], surveyed[0]);
-  EXPECT_EQ(cloud.value().sample(10).value().front(), surveyed[0]);
+  EXPECT_EQ(sample_cloud(cloud.value(), 10).value().front(), surveyed[0]);
   const auto ply = folder.write("a.off", "OFF\n1 0 0\n1 2 3\n").string();
   EXPECT_EQ(sentence(Cloud::open({ply}, named)),
-            "columns: none of the input files is text or NumPy, whose columns it names");
+            "columns: none of the input files is text or NumPy, and other files have no columns");
   EXPECT_TRUE(Cloud::open({ply, path}, named));
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/input/cloud/cloud.h"
+#include "src/input/cloud/cloud_sample.h"
 #include "tests/input/laz_testing.h"
 #include "tests/input/real_clouds.h"
 
@@ -96,7 +97,7 @@ TEST_P(CopcFile, SamplesOnlyTheRegion) {
   const Point at = all[all.size() / 2].at;
   const Box box{{at.x - 5, at.y - 5, at.z - 5}, {at.x + 5, at.y + 5, at.z + 5}};
   const auto cloud = Cloud::open({GetParam().path().string()}, {.crop = box});
-  const auto sample = cloud.value().sample(1000);
+  const auto sample = sample_cloud(cloud.value(), 1000);
   ASSERT_EQ(sentence(sample), "");
   EXPECT_FALSE(sample.value().empty());
   for (const auto& p : sample.value()) EXPECT_LE(std::abs(p.x - at.x), 5);

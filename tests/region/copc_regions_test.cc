@@ -167,7 +167,7 @@ TEST(FileRegion, RefusesAPointThatIsNotWhereTheFileSays) {
   ASSERT_TRUE(answer.has_error());
   EXPECT_EQ(answer.error().code, Errc::bad_input);
   EXPECT_NE(sentence(answer).find("wrong.copc.laz, record "), std::string::npos) << sentence(answer);
-  EXPECT_NE(sentence(answer).find("is not in the box that the file states for it"), std::string::npos);
+  EXPECT_NE(sentence(answer).find("lies outside the box that the file states for it"), std::string::npos);
   EXPECT_TRUE(check_regions(files, 2, true, 8, 0.1));
 }
 

@@ -53,7 +53,7 @@ bool encloses(const Ball& ball, const Exact& exact) {
     const Rational d = exact.center[i] - Rational(ball.center[i]);
     gap += d * d;
   }
-  const Rational reach(ball.reach);
+  const Rational reach(ball.radius);
   const Rational rest = reach * reach - gap - exact.squared_radius;  // must be >= 2 sqrt(gap r^2)
   return rest >= 0 && rest * rest >= 4 * gap * exact.squared_radius;
 }
@@ -87,7 +87,7 @@ TEST(Circumsphere, BallContainsTheExactSphereForCoordinatesOfEverySize) {
 TEST(Circumsphere, BallIsTightForRoundCells) {
   const Ball ball = circumsphere({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
   ASSERT_TRUE(ball.known);
-  EXPECT_NEAR(ball.reach, std::sqrt(0.75), 1e-13);
+  EXPECT_NEAR(ball.radius, std::sqrt(0.75), 1e-13);
 }
 
 TEST(Circumsphere, NothingIsKnownOfFlatOrExtremeCells) {

@@ -133,7 +133,7 @@ TEST_F(KeptPoints, AreAskedForWhereThereIsAChoice) {
     return cloud.has_error() ? in_plain_words(cloud.error().where) : "";
   };
   EXPECT_EQ(refusal({.dimension = 3, .keep = DuplicatePolicy::last}),
-            "keep=last: chooses among points of equal x and y, which are one vertex in 2D alone (see dim)");
+            "keep=last: chooses among points of equal x and y, which become one vertex only in 2D (see dim)");
   EXPECT_EQ(refusal({.dimension = 2, .keep = DuplicatePolicy::lowest, .heights = false}),
             "keep=lowest: needs the heights, which z=false leaves out");
   EXPECT_EQ(refusal({.dimension = 0, .keep = DuplicatePolicy::highest}, 2),

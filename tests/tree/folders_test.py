@@ -12,6 +12,9 @@ FUNCTION_LINES_MAX = 70
 # Tables of routes, handlers and schemas; and two loops of the kernel whose state must stay in registers.
 LONG_FUNCTIONS = {"ShareActor::make_behavior", "add_documents", "add_job_routes", "add_question_routes", "add_result_routes",
                   "Mesh::find_zone", "collect"}
+CLASS_SOURCES_MAX = 2
+# Classes that are in more sources for now.
+SPREAD_CLASSES = {"Answering", "Coordinator", "Service", "ShareActor"}
 
 
 class Folders(unittest.TestCase):
@@ -92,6 +95,17 @@ class Folders(unittest.TestCase):
                     where.setdefault(name, []).append(path)
         self.assertGreater(len(where), 300)
         self.assertEqual({name: paths for name, paths in where.items() if len(paths) > 1}, {})
+
+    def test_a_class_is_in_two_sources_at_most(self):
+        # A class of more sources has more than one purpose. Two classes may have one name, in two folders or namespaces.
+        where = {}
+        for path, text in self.texts.items():
+            if path.endswith(".cc") and path.split("/")[0] in ("src", "actors", "python"):
+                for key in tree.classes_in(text):
+                    where.setdefault((os.path.dirname(path), *key), []).append(path)
+        self.assertGreater(len(where), 200)
+        self.assertEqual({key: paths for key, paths in where.items()
+                          if len(paths) > CLASS_SOURCES_MAX and key[2] not in SPREAD_CLASSES}, {})
 
     def test_no_function_is_longer_than_a_page(self):
         lengths = [(path, name, lines) for path, text in self.texts.items() if path.startswith(("src/", "actors/", "python/"))

@@ -87,6 +87,13 @@ def functions_in(text):
     return found
 
 
+def classes_in(text):
+    """(namespace, class) of each class of which a file defines members outside of the class."""
+    namespace = re.search(r"^namespace ([\w:]+) \{", text, re.MULTILINE)
+    owners = [re.match(r"(?:[a-z]\w*::)*([A-Z]\w*)::", name) for name, _ in functions_in(text)]
+    return {(namespace[1] if namespace else "", owner[1]) for owner in owners if owner}
+
+
 def room_of(path, all_rooms):
     """The innermost room that holds the file, or None."""
     inside = [room for room in all_rooms if path.startswith(room + "/")]

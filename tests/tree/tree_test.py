@@ -91,6 +91,22 @@ const char* const table[] = {"f() {"};
 """
         self.assertEqual(tree.functions_in(text), [("inside", 1), ("One", 2), ("f", 8)])
 
+    def test_classes_are_those_with_members_outside(self):
+        text = """namespace a::b {
+namespace {
+struct One {
+  int inside() const { return 1; }
+};
+}
+Two::Two(int x) : x_(x) {}
+std::vector<int> Two::Impl::all() const { return Other::all(); }
+int c::Three::f() { return 0; }
+int d::f() { return 0; }
+int f() { return 0; }
+}
+"""
+        self.assertEqual(tree.classes_in(text), {("a::b", "Two"), ("a::b", "Three")})
+
 
 class Rooms(unittest.TestCase):
     README = """# X

@@ -292,7 +292,7 @@ class Dashboard(looking.LookingTest):
         token = b.driver.find_element("id", "token")
         token.send_keys("w" * 64)
         b.press("Enter")
-        b.until_text("not one of this service's")
+        b.until_text("does not know this token")
         token.clear()
         token.send_keys(looking.TOKENS["admin"] + "\n")
         b.until_text("No jobs yet")

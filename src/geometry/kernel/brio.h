@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "src/base/mixed_bits.h"
+
 namespace tessera {
 
 // Calls insert(i) once for each i in 0..n-1, in rounds. Each round is a random subset, 2^round_bits times as large as
@@ -20,12 +22,8 @@ void for_each_in_brio_order(std::size_t n, Insert&& insert) {
     for (std::size_t i = 0; i < n; ++i) insert(i);
     return;
   }
-  const auto round_of = [](std::uint64_t i) {  // splitmix64; the number of trailing zeros is geometrically distributed
-    i += 0x9e3779b97f4a7c15u;
-    i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9u;
-    i = (i ^ (i >> 27)) * 0x94d049bb133111ebu;
-    i ^= i >> 31;
-    const int r = std::countr_zero(i) / round_bits;
+  const auto round_of = [](std::uint64_t i) {  // the number of trailing zeros is geometrically distributed
+    const int r = std::countr_zero(mixed_bits(i)) / round_bits;
     return r < rounds ? r : rounds - 1;
   };
   std::array<std::vector<std::uint32_t>, rounds> early;  // the rounds before the last; the last round has most points

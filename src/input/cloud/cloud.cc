@@ -65,16 +65,16 @@ Result<Opened> open_input(const InputName& input, const ReadHints& hints, Spool&
 
 Status check_file(const FileInfo& file, const CloudOptions& options) {
   if (file.dimension < options.dimension)
-    return error(Errc::bad_input,
-                 file.path.string() + ": holds x and y only, and a 3D cloud was asked for (see " + option("dim") + ")");
+    return error(Errc::bad_input, file.path.string() + ": has only x and y, but a 3D triangulation needs z, too (see " +
+                                      option("dim") + ")");
   if (options.resolution > 0 && !file.levels)
     return error(Errc::usage, file.path.string() + ": is not COPC, so it has no levels for " + option("resolution") +
                                   " to choose from");
   for (const auto& [name, key] : filtered_by(options)) {
     if (std::none_of(file.attributes.begin(), file.attributes.end(),
                      [&, name = name](auto& a) { return a.name == name; }))
-      return error(Errc::usage,
-                   file.path.string() + ": has no " + name + ", so " + option(key) + " cannot choose from it");
+      return error(Errc::usage, file.path.string() + ": has no attribute '" + name + "', so " + option(key) +
+                                    " cannot choose points by it");
   }
   return success();
 }
@@ -92,7 +92,8 @@ Status check_units(const FileInfo& file) {
 Status check_use_of_columns(const std::vector<FileInfo>& files, const CloudOptions& options) {
   const auto has_columns = [](const FileInfo& file) { return file.columns.has_value(); };
   if (options.columns.empty() || std::any_of(files.begin(), files.end(), has_columns)) return success();
-  return error(Errc::usage, option("columns") + ": none of the input files is text or NumPy, whose columns it names");
+  return error(Errc::usage,
+               option("columns") + ": none of the input files is text or NumPy, and other files have no columns");
 }
 
 // Warns of numbers of points that were taken for coordinates, which is easily overlooked.
@@ -113,7 +114,7 @@ Status check_keep(const CloudOptions& options, bool carried, bool has_z) {
     return error(Errc::usage, option("keep", name_of(options.keep)) + ": " + reason);
   };
   if (options.dimension != 2)
-    return refuse("chooses among points of equal x and y, which are one vertex in 2D alone (see " + option("dim") +
+    return refuse("chooses among points of equal x and y, which become one vertex only in 2D (see " + option("dim") +
                   ")");
   if (!is_by_height(options.keep) || carried) return success();
   return refuse(has_z ? "needs the heights, which " + option("z", "false") + " leaves out"
@@ -201,6 +202,12 @@ Cloud Cloud::of(std::vector<FileInfo> files, std::vector<Attribute> schema, Clou
   cloud.schema_ = std::move(schema);
   cloud.options_ = std::move(options);
   return cloud;
+}
+
+InputSplit Cloud::whole() const {
+  InputSplit split;
+  for (std::size_t i = 0; i < files_.size(); ++i) split.ranges.push_back({i});
+  return split;
 }
 
 Result<std::unique_ptr<ByteSource>> Cloud::source(std::size_t index) const {

@@ -119,19 +119,9 @@ class Cloud {
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
   // The same for one split. Ids count from its first point.
   Result<CloudCounts> for_each_batch(const InputSplit& split, const std::function<Status(CloudBatch&)>& visit) const;
-
-  // Cuts the whole input, in order, into splits of about `points` points, where files can be entered. Opens the files
-  // that are larger. Errors: those of the readers.
-  Result<std::vector<InputSplit>> splits(std::uint64_t points) const;
   // The whole input as one split.
   InputSplit whole() const;
 
-  // Returns about `wanted` points, spread over all files, after the filters. The sample is deterministic. Reads blocks
-  // of files that can seek cheaply, and all of other files.
-  Result<std::vector<Point>> sample(std::size_t wanted) const;
-
- private:
-  friend class CloudUnits;
   // Opens file `index` again. The options of the cloud add to `hints`.
   Result<std::unique_ptr<PointReader>> reopen(std::size_t index, const std::vector<Attribute>& schema,
                                               ReadHints hints) const;
@@ -139,7 +129,10 @@ class Cloud {
   Result<std::unique_ptr<PointReader>> reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
                                                     ReadHints hints) const;
   Result<std::unique_ptr<ByteSource>> source(std::size_t index) const;
+  // Whether the bytes of file `index` wait in this process: nobody else can read them.
+  bool is_spooled(std::size_t index) const { return spooled_[index] != nullptr; }
 
+ private:
   std::vector<FileInfo> files_;
   std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file; null where the file itself can be read again
   std::vector<Attribute> schema_;

@@ -94,7 +94,7 @@ Status read_unit_ahead(PointReader& reader, const Unit& unit, const PointFilter&
     try {
       return read_unit(reader, unit, filter, first_id, counts, [&](CloudBatch& batch) -> Status {
         if (queue.push(batch)) return success();
-        return error(Errc::interrupted, "nobody wants the batches any more");
+        return error(Errc::interrupted, "the batches are not wanted any more");
       });
     } catch (const std::bad_alloc&) {
       return worded([&] { return error(Errc::memory, "no memory is left to read " + reader.info().path.string()); });

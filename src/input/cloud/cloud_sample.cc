@@ -1,11 +1,10 @@
-// Cloud::sample(): takes blocks spread evenly over files that can seek, and every k-th point of files that cannot, or
-// only slowly.
+#include "src/input/cloud/cloud_sample.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 
-#include "src/base/random.h"
-#include "src/input/cloud/cloud.h"
+#include "src/base/mixed_bits.h"
 #include "src/input/cloud/in_order.h"
 #include "src/input/cloud/point_filter.h"
 
@@ -21,11 +20,10 @@ std::uint64_t block_points_of(std::uint64_t quota, const FileInfo& file, std::ui
   const bool small = quota > large_sample && quota / small_block_points * file.seek_points < points / 8;
   return small ? small_block_points : block_points;
 }
-// The bytes of a line of text or ASCII PLY, to share the sample among files whose header gives no count.
-constexpr std::uint64_t line_bytes = 32;
 
+// Shares the sample among the files. A file whose header gives no count may have points, however small it is.
 std::uint64_t estimated_points(const FileInfo& file) {
-  return file.points ? *file.points : std::max<std::uint64_t>(1, file.content_bytes / line_bytes);
+  return file.points ? *file.points : std::max<std::uint64_t>(1, file.about_points());
 }
 
 // Keeps points and drops every second one whenever there are twice as many as wanted.
@@ -107,10 +105,12 @@ class FileSampler {
 
 }  // namespace
 
-Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
-  const PointFilter filter(options_, {});
+Result<std::vector<Point>> sample_cloud(const Cloud& cloud, std::size_t wanted) {
+  const auto& files = cloud.files();
+  const std::uint32_t threads = cloud.options().threads;
+  const PointFilter filter(cloud.options(), {});
   std::uint64_t total = 0;
-  for (const auto& file : files_) total += estimated_points(file);
+  for (const auto& file : files) total += estimated_points(file);
   std::vector<Point> points;
   if (total == 0 || wanted == 0) return points;
 
@@ -120,12 +120,11 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
     points.clear();
     const auto sample_of = [&](std::size_t i) -> Result<std::vector<Point>> {
       std::vector<Point> sample;
-      const FileInfo& file = files_[i];
+      const FileInfo& file = files[i];
       const auto estimate = estimated_points(file);
       const auto quota = static_cast<std::uint64_t>(std::min(share, 1.0) * static_cast<double>(estimate)) + 1;
       // A single file is read by all threads; several files are read by one thread each.
-      BOOST_OUTCOME_TRY(reader,
-                        reopen(i, filter.reader_schema(), {.threads = files_.size() == 1 ? options_.threads : 1}));
+      BOOST_OUTCOME_TRY(reader, cloud.reopen(i, filter.reader_schema(), {.threads = files.size() == 1 ? threads : 1}));
       FileSampler sampler(*reader, filter);
       BOOST_OUTCOME_TRY(seekable, reader->seek(0));
       // Where each seek decodes points first, reading the whole file once may take less.
@@ -139,7 +138,7 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
       return sample;
     };
     BOOST_OUTCOME_TRYV(
-        in_order(files_.size(), options_.threads, sample_of, [&](std::size_t, std::vector<Point> sample) -> Status {
+        in_order(files.size(), threads, sample_of, [&](std::size_t, std::vector<Point> sample) -> Status {
           points.insert(points.end(), sample.begin(), sample.end());
           return success();
         }));

@@ -58,12 +58,12 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
     BOOST_OUTCOME_TRY(nodes, laz::read_copc_units(*source, cloud_.options().resolution));
     for (const auto& node : nodes) {
       list_.push_back({node.points, node.bytes, node.bounds});
-      places_.push_back({file, node.first});
+      ranges_.push_back({file, node.first});
     }
   } else {
     const Bounds stated = info.bounds ? widened(*info.bounds, info.step) : Bounds{};
     list_.push_back({info.points.value_or(0), info.bytes, stated});
-    places_.push_back({.file = file, .whole = true});
+    ranges_.push_back({.file = file, .whole = true});
   }
   if (scan || (!info.levels && !(info.points && info.bounds))) {
     BOOST_OUTCOME_TRYV(scan_file(file, begin, stop));
@@ -74,7 +74,7 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
   for (std::size_t i = list_.size(); i-- > begin;) {
     if (list_[i].points > 0 && list_[i].bounds.lo.x <= list_[i].bounds.hi.x) continue;
     list_.erase(list_.begin() + static_cast<std::ptrdiff_t>(i));
-    places_.erase(places_.begin() + static_cast<std::ptrdiff_t>(i));
+    ranges_.erase(ranges_.begin() + static_cast<std::ptrdiff_t>(i));
   }
   return success();
 }
@@ -83,7 +83,7 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
 Status CloudUnits::scan_file(std::size_t file, std::size_t begin, const std::stop_token& stop) {
   for (std::size_t i = begin; i < list_.size(); ++i) {
     list_[i].bounds = {};
-    places_[i].seen = true;
+    ranges_[i].seen = true;
   }
   if (begin == list_.size()) return success();
   BOOST_OUTCOME_TRY(reader, cloud_.reopen_whole(file, {}, ReadHints{.threads = cloud_.options().threads}));
@@ -95,15 +95,15 @@ Status CloudUnits::scan_file(std::size_t file, std::size_t begin, const std::sto
     BOOST_OUTCOME_TRYV(reader->next(batch));
     if (batch.points.empty()) break;
     for (const Point& p : batch.points) {
-      if (!places_[unit].whole && unit + 1 < list_.size() && rank == places_[unit + 1].first) ++unit;
+      if (!ranges_[unit].whole && unit + 1 < list_.size() && rank == ranges_[unit + 1].first) ++unit;
       const Point at = without_negative_zero({p.x, p.y, cloud_.options().dimension == 2 ? 0 : p.z});
       const bool here =
-          places_[unit].whole || (rank >= places_[unit].first && rank - places_[unit].first < list_[unit].points);
+          ranges_[unit].whole || (rank >= ranges_[unit].first && rank - ranges_[unit].first < list_[unit].points);
       if (here && is_finite(at)) list_[unit].bounds.add(at);
       ++rank;
     }
   }
-  if (places_[begin].whole) list_[begin].points = rank;
+  if (ranges_[begin].whole) list_[begin].points = rank;
   return success();
 }
 
@@ -112,11 +112,11 @@ Status CloudUnits::read(std::span<const std::size_t> units,
   std::vector<std::size_t> order(units.begin(), units.end());
   std::sort(order.begin(), order.end());  // by file and place, so that each file is opened once
   for (std::size_t i = 0; i < order.size();) {
-    const std::size_t file = places_[order[i]].file;
+    const std::size_t file = ranges_[order[i]].file;
     BOOST_OUTCOME_TRY(
         reader, cloud_.reopen_whole(file, filter_.reader_schema(),
-                                    ReadHints{.threads = places_[order[i]].whole ? cloud_.options().threads : 1}));
-    for (; i < order.size() && places_[order[i]].file == file; ++i) {
+                                    ReadHints{.threads = ranges_[order[i]].whole ? cloud_.options().threads : 1}));
+    for (; i < order.size() && ranges_[order[i]].file == file; ++i) {
       BOOST_OUTCOME_TRYV(read_unit(*reader, order[i], visit));
     }
     // At the end of a file readers check that it is still the file that was opened.
@@ -131,22 +131,22 @@ Status CloudUnits::read(std::span<const std::size_t> units,
 
 Status CloudUnits::read_unit(PointReader& reader, std::size_t unit,
                              const std::function<Status(std::size_t, CloudBatch&)>& visit) {
-  const Place& place = places_[unit];
-  if (place.first > 0 || !place.whole) {
-    BOOST_OUTCOME_TRYV(reader.seek(place.first));
+  const RecordRange& range = ranges_[unit];
+  if (range.first > 0 || !range.whole) {
+    BOOST_OUTCOME_TRYV(reader.seek(range.first));
   }
   bytes_read_ += list_[unit].bytes;
   PointBatch batch;
   CloudBatch kept;
   CloudCounts counts;
   std::uint64_t rank = 0;
-  while (place.whole || rank < list_[unit].points) {
-    const std::uint64_t left = place.whole ? SIZE_MAX : list_[unit].points - rank;
+  while (range.whole || rank < list_[unit].points) {
+    const std::uint64_t left = range.whole ? SIZE_MAX : list_[unit].points - rank;
     BOOST_OUTCOME_TRYV(reader.next(batch, static_cast<std::size_t>(left)));
     if (batch.points.empty()) break;
     kept.points.clear();
     kept.rows.clear();
-    BOOST_OUTCOME_TRYV(filter_.apply(batch, reader, first_ids_[place.file] + place.first + rank, kept, counts));
+    BOOST_OUTCOME_TRYV(filter_.apply(batch, reader, first_ids_[range.file] + range.first + rank, kept, counts));
     rank += batch.points.size();
     BOOST_OUTCOME_TRYV(check_inside(kept.points, unit));
     if (!kept.points.empty()) {
@@ -154,9 +154,10 @@ Status CloudUnits::read_unit(PointReader& reader, std::size_t unit,
     }
   }
   if (rank == list_[unit].points) return success();
-  return error(Errc::bad_input, cloud_.files()[place.file].path.string() + ": was changed while it was read: it gave " +
-                                    std::to_string(rank) + " points where there were " +
-                                    std::to_string(list_[unit].points));
+  return error(Errc::bad_input, cloud_.files()[range.file].path.string() +
+                                    ": was changed by another program while it was read: it had " +
+                                    std::to_string(list_[unit].points) + " points there, and has " +
+                                    std::to_string(rank));
 }
 
 Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size_t unit) const {
@@ -166,24 +167,26 @@ Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size
     bool inside = true;
     for (int axis = 0; axis < dimension; ++axis) inside &= p.at[axis] >= lo[axis] && p.at[axis] <= hi[axis];
     if (inside) continue;
-    const std::size_t file = places_[unit].file;
+    const std::size_t file = ranges_[unit].file;
     const std::string path = cloud_.files()[file].path.string();
     const std::string record = ", record " + std::to_string(p.id.value - first_ids_[file]) + ": ";
-    if (places_[unit].seen) return error(Errc::bad_input, path + record + "was changed while it was read");
+    if (ranges_[unit].seen)
+      return error(Errc::bad_input, path + record + "was changed by another program while it was read");
     return error(Errc::bad_input, path + record + text_of(p.at, dimension) +
-                                      " is not in the box that the file states for it, " + text_of(lo, dimension) +
-                                      " to " + text_of(hi, dimension) + ", so what it states cannot be relied on; " +
-                                      option("scan", "true") + " reads all files once and relies on what it has seen");
+                                      " lies outside the box that the file states for it, " + text_of(lo, dimension) +
+                                      " to " + text_of(hi, dimension) + ", so the boxes in the file are wrong; " +
+                                      option("scan", "true") +
+                                      " reads all files once, and takes the boxes of their points instead");
   }
   return success();
 }
 
 std::string CloudUnits::name(std::size_t unit) const {
-  const Place& place = places_[unit];
+  const RecordRange& range = ranges_[unit];
   const int dimension = cloud_.options().dimension;
-  std::string text = cloud_.files()[place.file].path.string();
-  if (!place.whole) {
-    text += ", records " + std::to_string(place.first) + " to " + std::to_string(place.first + list_[unit].points - 1);
+  std::string text = cloud_.files()[range.file].path.string();
+  if (!range.whole) {
+    text += ", records " + std::to_string(range.first) + " to " + std::to_string(range.first + list_[unit].points - 1);
   }
   const auto& [lo, hi] = list_[unit].bounds;
   return text + ", in " + text_of(lo, dimension) + " to " + text_of(hi, dimension);

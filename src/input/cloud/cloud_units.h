@@ -33,7 +33,8 @@ class CloudUnits : public PointUnits {
   std::uint64_t bytes_read() const override { return bytes_read_; }
 
  private:
-  struct Place {
+  // The records of a unit.
+  struct RecordRange {
     std::size_t file = 0;
     std::uint64_t first = 0;  // the first record of the unit in the file
     bool whole = false;       // the unit is the whole file, however many records it has
@@ -49,7 +50,7 @@ class CloudUnits : public PointUnits {
   Cloud cloud_;
   PointFilter filter_;
   std::vector<PointUnit> list_;
-  std::vector<Place> places_;
+  std::vector<RecordRange> ranges_;
   std::vector<std::uint64_t> first_ids_;  // the source index of the first point, by file
   std::uint64_t points_ = 0, bytes_read_ = 0;
 };

@@ -1,27 +1,19 @@
-// Cloud::splits(): where the input can be cut.
+#include "src/input/cloud/input_splits.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 
 #include "src/input/bytes/record_stream.h"
-#include "src/input/cloud/cloud.h"
 
 namespace tessera {
 namespace {
 
 using Of = InputSplit::Range::Of;
 
-constexpr std::uint64_t line_bytes = 32;  // the bytes of a line of text, as in cloud_sample.cc
-
 }  // namespace
 
-InputSplit Cloud::whole() const {
-  InputSplit split;
-  for (std::size_t i = 0; i < files_.size(); ++i) split.ranges.push_back({i});
-  return split;
-}
-
-Result<std::vector<InputSplit>> Cloud::splits(std::uint64_t points) const {
+Result<std::vector<InputSplit>> cut_into_splits(const Cloud& cloud, std::uint64_t points) {
   points = std::max<std::uint64_t>(points, batch_points_max);
   std::vector<InputSplit> splits;
   std::uint64_t filled = 0;  // the points of the last split
@@ -34,10 +26,10 @@ Result<std::vector<InputSplit>> Cloud::splits(std::uint64_t points) const {
     splits.back().ranges.push_back(range);
     filled += count;
   };
-  for (std::size_t i = 0; i < files_.size(); ++i) {
-    const FileInfo& file = files_[i];
-    const std::uint64_t count = file.points ? *file.points : file.content_bytes / line_bytes;
-    if (spooled_[i]) {
+  for (std::size_t i = 0; i < cloud.files().size(); ++i) {
+    const FileInfo& file = cloud.files()[i];
+    const std::uint64_t count = file.about_points();
+    if (cloud.is_spooled(i)) {
       add({i}, 0, true);
     } else if (count <= points) {
       add({i}, count, false);
@@ -46,7 +38,7 @@ Result<std::vector<InputSplit>> Cloud::splits(std::uint64_t points) const {
       // is unknown.
       bool enter = file.seek_points <= points / 4 && file.points_passed_over == 0;
       if (enter) {
-        BOOST_OUTCOME_TRY(reader, reopen(i, {}, {}));
+        BOOST_OUTCOME_TRY(reader, cloud.reopen(i, {}, {}));
         BOOST_OUTCOME_TRY(can_seek, reader->seek(0));
         enter = can_seek;
       }

@@ -72,7 +72,7 @@ class ToFile : public Answers {
 
 Status check(const AnswerOptions& options) {
   if (options.format != AnswerFormat::npy || !options.weights) return success();
-  return error(Errc::usage, "an array holds values alone: weights need csv or json");
+  return error(Errc::usage, "a NumPy array holds only values; weights need csv or json");
 }
 
 }  // namespace
@@ -85,14 +85,14 @@ Result<AnswerFormat> answer_format(const std::string& name, const std::filesyste
     return AnswerFormat::json;
   if (name.empty() && target.empty()) return json ? AnswerFormat::json : AnswerFormat::csv;
   return error(Errc::usage, "'" + (name.empty() ? target.string() : name) +
-                                "' is no format of answers: give csv, json (a line each) or npy");
+                                "' is no format of answers; there are csv, json (one object a line) and npy");
 }
 
 Result<std::unique_ptr<Answers>> Answers::open(const AnswerOptions& options) {
   BOOST_OUTCOME_TRYV(check(options));
   if (options.target.empty()) {
     if (options.format == AnswerFormat::npy)
-      return error(Errc::usage, "an array needs a file to be written to: add -o FILE");
+      return error(Errc::usage, "a NumPy array is not written to standard output; name a file for it");
     return std::unique_ptr<Answers>(std::make_unique<ToStandardOutput>(options));
   }
   BOOST_OUTCOME_TRY(there, is_there(options.target));

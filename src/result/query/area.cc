@@ -87,7 +87,9 @@ Status check_edges(const std::vector<std::vector<Point>>& rings) {
   std::uint64_t edges = 0;
   for (const auto& ring : rings) edges += ring.size();
   constexpr std::uint64_t edges_max = std::uint64_t{1} << 28;
-  if (edges >= edges_max) return error(Errc::memory, "the polygon has " + std::to_string(edges) + " edges: too many");
+  if (edges >= edges_max)
+    return error(Errc::memory, "the polygon has " + std::to_string(edges) + " edges, but may have fewer than " +
+                                   std::to_string(edges_max));
   return Ledger::draw_memory(edges * Polygon::bytes_of_edge);
 }
 

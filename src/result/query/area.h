@@ -44,7 +44,7 @@ class Polygon {
   static Result<Polygon> of_geojson(std::string_view text, const std::string& name);
 
   const Bounds& bounds() const { return bounds_; }
-  const GeoJsonPlace& place() const { return place_; }  // of a file
+  const GeoJsonFrame& place() const { return place_; }  // of a file
   // Exact. For a cell in space, its projection to the plane is used.
   bool meets(std::span<const Point> cell) const;
 
@@ -63,7 +63,7 @@ class Polygon {
   }
   std::uint64_t index_strips(std::size_t strips);
 
-  GeoJsonPlace place_;
+  GeoJsonFrame place_;
   Bounds bounds_;
   std::vector<Edge> edges_;
   // Strips of y, and the edges that meet each strip: those of strip s are met_[begin_[s]] up to met_[begin_[s + 1]].

@@ -69,7 +69,7 @@ Status locate_all(TileCache& cache, const Manifest& manifest, const Homes& homes
       std::size_t from = 0;
       for (const auto& [key, i] : keyed) {
         BOOST_OUTCOME_TRY(here, walker.tile(shares[s].tile));
-        Place at{here, here->start(batch.points[i], key, from)};
+        CellRef at{here, here->start(batch.points[i], key, from)};
         BOOST_OUTCOME_TRY(located, walker.locate(batch.points[i], at));
         BOOST_OUTCOME_TRYV(visit(walker, i, located));
       }

@@ -1,3 +1,5 @@
+#include "src/result/query/cells.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,7 +12,7 @@
 
 #include "src/base/option.h"
 #include "src/result/export/cell_filter.h"
-#include "src/result/query/impl.h"
+#include "src/result/query/opened_result.h"
 #include "src/result/query/search.h"
 #include "src/result/verify/match_facets.h"
 
@@ -107,8 +109,8 @@ std::vector<bool> kept_of(const QueryTile& tile, std::optional<double> max_edge,
 }
 
 // The number of cells that an answer may have.
-struct Room {
-  Room(const CellLimits& limits, const Manifest& manifest)
+struct AnswerBudget {
+  AnswerBudget(const CellLimits& limits, const Manifest& manifest)
       : limits(limits),
         // A cell with its corners, neighbours and tile, and with at most about one vertex with its attributes.
         fit(limits.bytes_max / (68 + sizeof(Point) + 40 + tessera::row_bytes(manifest.schema))),
@@ -130,15 +132,15 @@ struct Room {
 
 }  // namespace
 
-Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& limits,
-                                           const AskOptions& options) const {
-  const Manifest& manifest = impl_->manifest;
+Result<CellSet> cells_of(const OpenedResult& result, const Area& area, const CellLimits& limits,
+                         const AskOptions& options) {
+  const Manifest& manifest = result.manifest;
   if (area.plane && manifest.dimension != 3)
-    return error(Errc::usage, impl_->out.string() + ": is a 2D result, which no plane of space cuts");
-  const Room room(limits, manifest);
-  Walker walker(impl_->cache, manifest, !manifest.schema.empty());
-  BOOST_OUTCOME_TRY(found, impl_->find(walker, area, room.most, options.stop));
-  if (found.count > room.most) return room.exceeded(impl_->out, area.plane ? "the section" : "the area");
+    return error(Errc::usage, result.out.string() + ": is a 2D result, which no plane of space cuts");
+  const AnswerBudget budget(limits, manifest);
+  Walker walker(result.cache, manifest, !manifest.schema.empty());
+  BOOST_OUTCOME_TRY(found, result.find(walker, area, budget.most, options.stop));
+  if (found.count > budget.most) return budget.exceeded(result.out, area.plane ? "the section" : "the area");
   Collector collector(manifest, found.count);
   for (auto& [id, cells] : found.cells) {
     walker.keep_only(nullptr);
@@ -147,16 +149,16 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
     for (const std::int32_t cell : cells) collector.add(*tile, cell);
   }
   CellSet set = collector.take();
-  set.final = knows(area.box);
-  BOOST_OUTCOME_TRYV(match_facets(set.mesh.mesh, impl_->out));
+  set.final = knows(manifest, area.box);
+  BOOST_OUTCOME_TRYV(match_facets(set.mesh.mesh, result.out));
   return set;
 }
 
-Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskOptions& options,
-                                            std::optional<double> max_edge) const {
-  const Manifest& manifest = impl_->manifest;
-  const Room room(limits, manifest);
-  Walker walker(impl_->cache, manifest, !manifest.schema.empty());
+Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, const AskOptions& options,
+                          std::optional<double> max_edge) {
+  const Manifest& manifest = result.manifest;
+  const AnswerBudget budget(limits, manifest);
+  Walker walker(result.cache, manifest, !manifest.schema.empty());
   std::map<TileId, std::map<std::int32_t, std::uint8_t>> found;  // bits of facets, by main tile and index
   std::uint64_t count = 0;
   Lengths lengths;
@@ -178,7 +180,7 @@ Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskO
         count += facets == 0 ? 1 : 0;
         facets = static_cast<std::uint8_t>(facets | facet_bit(*main.tile, main.cell, *tile, cell, k));
         if (main.tile != tile) walker.keep_only(tile);
-        if (count > room.most) return room.exceeded(impl_->out, "the hull");
+        if (count > budget.most) return budget.exceeded(result.out, "the hull");
       }
     }
   }
@@ -198,24 +200,25 @@ Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskO
   return hull;
 }
 
-Result<Cell> StoredTriangulation::cell(TileId id, std::int32_t place) const {
-  const auto& tiles = impl_->manifest.tiles;
+Result<Cell> cell_of(const OpenedResult& result, TileId id, std::int32_t place) {
+  const auto& tiles = result.manifest.tiles;
   const auto is_it = [&](const TileEntry& entry) { return entry.tile == id; };
-  const std::string name = impl_->out.string() + ": tile " + to_string(id);
-  if (std::none_of(tiles.begin(), tiles.end(), is_it)) return error(Errc::usage, name + " is none of its tiles");
-  Walker walker(impl_->cache, impl_->manifest, false);
+  if (std::none_of(tiles.begin(), tiles.end(), is_it))
+    return error(Errc::usage, result.out.string() + ": has no tile " + to_string(id));
+  Walker walker(result.cache, result.manifest, false);
   BOOST_OUTCOME_TRY(tile, walker.tile(id));
   const auto& ghost = tile->mesh().cell_ghost;
   if (place < 0 || static_cast<std::size_t>(place) >= ghost.size() || ghost[static_cast<std::size_t>(place)] != 0)
-    return error(Errc::usage, name + " has no main cell " + std::to_string(place));
+    return error(Errc::usage,
+                 result.out.string() + ": tile " + to_string(id) + " has no main cell " + std::to_string(place));
   Cell cell = cell_at({tile, place});
   cell.final = tile->is_final(place);
   return cell;
 }
 
-Result<std::vector<TileId>> StoredTriangulation::tiles(const Area& area, const AskOptions& options) const {
-  Walker walker(impl_->cache, impl_->manifest, false);
-  BOOST_OUTCOME_TRY(found, impl_->find(walker, area, ~std::uint64_t{0}, options.stop));
+Result<std::vector<TileId>> tiles_of(const OpenedResult& result, const Area& area, const AskOptions& options) {
+  Walker walker(result.cache, result.manifest, false);
+  BOOST_OUTCOME_TRY(found, result.find(walker, area, ~std::uint64_t{0}, options.stop));
   return std::vector<TileId>(found.owners.begin(), found.owners.end());
 }
 

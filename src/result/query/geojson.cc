@@ -110,7 +110,7 @@ std::string named_crs(const json& document) {
 
 }  // namespace
 
-Status GeoJsonPlace::check_in(const std::string& there, const Bounds& points) const {
+Status GeoJsonFrame::check_in(const std::string& there, const Bounds& points) const {
   const auto refuse = [&](const std::string& why) {
     const std::string code = crs_code(there);
     return error(Errc::bad_input, name + ": " + why + "; transform it first, as ogr2ogr -t_srs" +

@@ -15,7 +15,7 @@ namespace tessera::query {
 enum class GeoJson : std::uint8_t { polygons, lines };
 
 // What is known of the coordinates of a file.
-struct GeoJsonPlace {
+struct GeoJsonFrame {
   std::string name = {};  // name of the file for errors
   std::string crs = {};   // from its member `crs`, as crs_of_name() returns it; empty when there is none
   Bounds bounds = {};     // of its positions
@@ -27,12 +27,12 @@ struct GeoJsonPlace {
 
 struct GeoJsonShapes {
   std::vector<std::vector<Point>> lists;
-  GeoJsonPlace place;
+  GeoJsonFrame place;
 };
 
 // Reads the rings of all polygons of a file (a geometry, a feature, or a collection of them; Polygon and MultiPolygon),
 // each with at least three positions, the first not repeated; or its lines (LineString and MultiLineString), each with
-// at least two. Coordinates are unchanged, with z = 0; GeoJsonPlace says what is known of them. Errors: io; bad_input
+// at least two. Coordinates are unchanged, with z = 0; GeoJsonFrame says what is known of them. Errors: io; bad_input
 // with file and place.
 Result<GeoJsonShapes> read_geojson(const std::filesystem::path& path, GeoJson kind);
 // The same for the text of such a file; errors name it `name`.

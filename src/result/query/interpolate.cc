@@ -1,3 +1,5 @@
+#include "src/result/query/interpolate.h"
+
 #include <cmath>
 #include <limits>
 #include <string>
@@ -5,15 +7,14 @@
 
 #include "src/result/query/batch.h"
 #include "src/result/query/column.h"
-#include "src/result/query/impl.h"
 #include "src/result/query/natural.h"
+#include "src/result/query/opened_result.h"
 
 namespace tessera::query {
 
-Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<const Point> points,
-                                                                   const InterpolateOptions& what,
-                                                                   const AskOptions& options) const {
-  BOOST_OUTCOME_TRY(column, find_column(impl_->out, impl_->manifest, what.value));
+Result<std::vector<Interpolated>> interpolated(const OpenedResult& result, std::span<const Point> points,
+                                               const InterpolateOptions& what, const AskOptions& options) {
+  BOOST_OUTCOME_TRY(column, find_column(result.out, result.manifest, what.value));
   std::vector<Interpolated> values(points.size());
   const auto visit = [&](Walker& walker, std::size_t i, const Located& located) -> Status {
     Interpolated& answer = values[i];
@@ -46,7 +47,7 @@ Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<con
     return success();
   };
   const Batch batch{.points = points, .threads = options.threads, .with_rows = true, .stop = options.stop};
-  BOOST_OUTCOME_TRYV(impl_->locate(batch, visit));
+  BOOST_OUTCOME_TRYV(result.locate(batch, visit));
   return values;
 }
 

@@ -25,7 +25,7 @@ class Sibson {
   Sibson(Walker& walker, const Point& q, std::size_t corners) : walker_(walker), q_(q), n_(corners) {}
 
   // Returns false when q is on the hull.
-  Result<bool> gather(Place first) {
+  Result<bool> gather(CellRef first) {
     BOOST_OUTCOME_TRY(added, look_at(first));
     if (added < 0) return lost_;  // otherwise only a damaged result gets here
     for (std::size_t z = 0; z < zone_.size(); ++z) {
@@ -89,7 +89,7 @@ class Sibson {
   }
 
   struct ZoneCell {
-    Place place;
+    CellRef place;
     Corners<Number> at;
     Vec<Number> centre;
   };
@@ -109,7 +109,7 @@ class Sibson {
   };
 
   // Returns the index in zone_, or -1 when q is not inside the sphere of the cell.
-  Result<int> look_at(Place place) {
+  Result<int> look_at(CellRef place) {
     const auto [entry, is_new] = seen_.emplace(place.tile->ids(place.cell), -1);
     if (!is_new) return entry->second;
     std::array<Point, 4> p;

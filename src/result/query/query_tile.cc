@@ -155,8 +155,10 @@ Result<std::int32_t> QueryTile::find(const CellIds& wanted) const {
       if (ids(cell) == wanted) return cell;
     return -1;
   }
-  return error(Errc::corrupt, path_.string() + ": lacks vertex " + to_string(wanted[0]) +
-                                  ", of which other tiles say that it is its own, or a cell's others");
+  return error(Errc::corrupt, path_.string() +
+                                  ": owns no vertex of a cell that another tile says it has; the first "
+                                  "vertex of the cell is " +
+                                  to_string(wanted[0]));
 }
 
 Error QueryTile::corrupt_cell(std::int32_t cell, const std::string& reason) const {

@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "src/result/export/cell_filter.h"
-#include "src/result/query/impl.h"
 
 namespace tessera::query {
 
@@ -100,7 +99,7 @@ class Search {
       : walker_(walker), area_(area), box_(box), near_(nearness(box)), cells_max_(cells_max), stop_(stop) {}
 
   // Begins at this cell. Returns false if the cell does not meet the area.
-  bool begin(const Place& main) {
+  bool begin(const CellRef& main) {
     if (!meets_area(*main.tile, main.cell)) return false;
     tiles_[main.tile->id()].waiting.push_back(main.tile->ids(main.cell));
     return true;
@@ -174,8 +173,10 @@ class Search {
       if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while looking for cells");
       BOOST_OUTCOME_TRY(first, tile->find(ids));
       if (first < 0)
-        return error(Errc::corrupt, "tile " + to_string(id) + " lacks a cell around a vertex of its own, " +
-                                        to_string(ids[0]) + " ..., that another tile has");
+        return error(Errc::corrupt, "tile " + to_string(id) +
+                                        " lacks a cell around one of its vertices, which another tile has; the first "
+                                        "vertex of the cell is " +
+                                        to_string(ids[0]));
       look_at(first);
       while (!next.empty() && !too_many()) {
         const std::int32_t cell = next.back();
@@ -224,7 +225,7 @@ Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifes
                                          : probes_of(box, manifest.dimension)) {
     BOOST_OUTCOME_TRY(tile, walker.tile(homes(probe)));
     std::size_t from = 0;
-    Place at{tile, tile->start(probe, tile->key(probe), from)};
+    CellRef at{tile, tile->start(probe, tile->key(probe), from)};
     BOOST_OUTCOME_TRY(located, walker.locate(probe, at));
     if (!located.place) continue;
     BOOST_OUTCOME_TRY(main, walker.main_place(located.place));

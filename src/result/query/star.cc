@@ -1,3 +1,5 @@
+#include "src/result/query/star.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -6,7 +8,7 @@
 #include <utility>
 
 #include "src/result/query/dual.h"
-#include "src/result/query/impl.h"
+#include "src/result/query/opened_result.h"
 
 namespace tessera::query {
 namespace {
@@ -77,58 +79,38 @@ Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const 
 
 }  // namespace
 
-Result<std::optional<TileId>> StoredTriangulation::Impl::owner_of(PointId id, const std::stop_token& stop) const {
-  for (std::size_t i = 0; i < manifest.tiles.size(); ++i) {
-    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while looking for a vertex");
-    const TileId tile = manifest.tiles[i].tile;
-    {
-      const std::lock_guard lock(id_mutex);
-      if (id_ranges[i] && (id < id_ranges[i]->first || id_ranges[i]->second < id)) continue;
-    }
-    BOOST_OUTCOME_TRY(ids, source.read_own_ids(i));
-    const auto [least, most] = std::minmax_element(ids.begin(), ids.end());
-    if (least == ids.end()) continue;
-    {
-      const std::lock_guard lock(id_mutex);
-      id_ranges[i] = {*least, *most};
-    }
-    if (std::find(ids.begin(), ids.end(), id) != ids.end()) return std::optional(tile);
-  }
-  return std::optional<TileId>{};
-}
-
-Result<Star> StoredTriangulation::star(PointId id, std::optional<TileId> owner, const AskOptions& options) const {
-  const Manifest& manifest = impl_->manifest;
+Result<Star> star_of(const OpenedResult& result, PointId id, std::optional<TileId> owner, const AskOptions& options) {
+  const Manifest& manifest = result.manifest;
   if (id.value >= manifest.points_read)
-    return error(Errc::usage, impl_->out.string() + ": has no vertex " + to_string(id) + "; the input had " +
+    return error(Errc::usage, result.out.string() + ": has no vertex " + to_string(id) + "; the input had " +
                                   std::to_string(manifest.points_read) + " points, counted from 0");
   const auto& tiles = manifest.tiles;
   if (owner && std::none_of(tiles.begin(), tiles.end(), [&](const TileEntry& entry) { return entry.tile == *owner; }))
-    return error(Errc::usage, impl_->out.string() + ": tile " + to_string(*owner) + " is none of its tiles");
+    return error(Errc::usage, result.out.string() + ": has no tile " + to_string(*owner));
   if (!owner) {
-    BOOST_OUTCOME_TRY(found, impl_->owner_of(id, options.stop));
+    BOOST_OUTCOME_TRY(found, result.owner_of(id, options.stop));
     if (!found) {
-      BOOST_OUTCOME_TRY(kept, kept_for(impl_->out, manifest, id));
+      BOOST_OUTCOME_TRY(kept, kept_for(result.out, manifest, id));
       if (manifest.region)
-        return error(Errc::usage, impl_->out.string() + ": point " + to_string(id) +
-                                      " of the input is no vertex of the cells of this region");
+        return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
+                                      " of the input is a vertex of no cell of this region");
       if (!kept || *kept == id)
-        return error(Errc::usage, impl_->out.string() + ": point " + to_string(id) +
+        return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
                                       " of the input is no vertex: it was left out as invalid or filtered");
-      return star(*kept, std::nullopt, options);
+      return star_of(result, *kept, std::nullopt, options);
     }
     owner = found;
   }
-  Walker walker(impl_->cache, manifest, false);
+  Walker walker(result.cache, manifest, false);
   BOOST_OUTCOME_TRY(tile, walker.tile(*owner));
   const std::int32_t vertex = tile->own_vertex(id);
   if (vertex < 0)
-    return error(Errc::usage, impl_->out.string() + ": tile " + to_string(*owner) + " has no vertex " + to_string(id));
+    return error(Errc::usage, result.out.string() + ": tile " + to_string(*owner) + " has no vertex " + to_string(id));
   Star star;
   star.vertex = vertex_at(*tile, vertex);
   std::vector<std::int32_t> cells;
   if (manifest.region) {
-    BOOST_OUTCOME_TRY(tree, impl_->part_tree());
+    BOOST_OUTCOME_TRY(tree, result.part_tree());
     cells = around_in_part(*tile, *tree, vertex, star.final);
   } else {
     BOOST_OUTCOME_TRY(found, tile->around(vertex));

@@ -3,22 +3,14 @@
 #include <utility>
 
 #include "src/result/query/batch.h"
-#include "src/result/query/impl.h"
+#include "src/result/query/cells.h"
+#include "src/result/query/interpolate.h"
+#include "src/result/query/opened_result.h"
+#include "src/result/query/star.h"
 
 namespace tessera::query {
 
-Cell cell_at(const Place& place) {
-  Cell cell{.tile = place.tile->id(), .cell = place.cell};
-  for (std::size_t k = 0; k < place.tile->corners(); ++k)
-    cell.vertices[k] = place.tile->id_of(place.tile->vertex(place.cell, k));
-  return cell;
-}
-
-Vertex vertex_at(const QueryTile& tile, std::int32_t vertex) {
-  return {.id = tile.id_of(vertex), .owner = tile.owner(vertex), .at = tile.point(vertex)};
-}
-
-StoredTriangulation::StoredTriangulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+StoredTriangulation::StoredTriangulation(std::unique_ptr<OpenedResult> result) : result_(std::move(result)) {}
 StoredTriangulation::StoredTriangulation(StoredTriangulation&&) noexcept = default;
 StoredTriangulation::~StoredTriangulation() = default;
 
@@ -31,42 +23,22 @@ Result<StoredTriangulation> StoredTriangulation::open(TileSource source, const O
   const std::filesystem::path& out = source.folder();
   const Manifest& manifest = source.manifest();
   if (manifest.region && !options.parts)
-    return error(Errc::usage, out.string() +
-                                  ": holds a region of a triangulation: beside its cells nothing is known of what is "
-                                  "asked; triangulate all points, or export its cells");
+    return error(Errc::usage,
+                 out.string() +
+                     ": holds a region of a triangulation, and what lies around its cells is unknown, so it answers "
+                     "no queries; triangulate all points, or export the cells of the region");
   if (manifest.region && manifest.tiles.size() != 1)
-    return error(Errc::corrupt, out.string() + ": is a region that has not one tile");
+    return error(Errc::corrupt, out.string() + ": is a region, so it must have one tile, but it has " +
+                                    std::to_string(manifest.tiles.size()));
   BOOST_OUTCOME_TRY(homes, Homes::of(out, manifest));
-  return StoredTriangulation(std::make_unique<Impl>(std::move(source), std::move(homes), options.memory_bytes));
+  return StoredTriangulation(std::make_unique<OpenedResult>(std::move(source), std::move(homes), options.memory_bytes));
 }
 
-const TileSource& StoredTriangulation::source() const { return impl_->source; }
-const Manifest& StoredTriangulation::manifest() const { return impl_->manifest; }
-std::uint64_t StoredTriangulation::tiles_read() const { return impl_->cache.loads(); }
+const TileSource& StoredTriangulation::source() const { return result_->source; }
+const Manifest& StoredTriangulation::manifest() const { return result_->manifest; }
+std::uint64_t StoredTriangulation::tiles_read() const { return result_->cache.loads(); }
 
-bool StoredTriangulation::knows(const Bounds& box) const { return query::knows(impl_->manifest, box); }
-
-Result<const CellTree*> StoredTriangulation::Impl::part_tree() const {
-  const std::lock_guard lock(tree_mutex);
-  if (!tree) {
-    BOOST_OUTCOME_TRY(tile, cache.get(manifest.tiles.front().tile, false));
-    tree = std::make_unique<const CellTree>(*tile);
-  }
-  return tree.get();
-}
-
-Status StoredTriangulation::Impl::locate(const Batch& batch, const VisitLocated& visit) const {
-  if (!manifest.region) return locate_all(cache, manifest, homes, batch, visit);
-  BOOST_OUTCOME_TRY(cells, part_tree());
-  return locate_all_in_part(cache, manifest, *cells, batch, visit);
-}
-
-Result<Found> StoredTriangulation::Impl::find(Walker& walker, const Area& area, std::uint64_t cells_max,
-                                              const std::stop_token& stop) const {
-  if (!manifest.region) return search(walker, homes, manifest, area, cells_max, stop);
-  BOOST_OUTCOME_TRY(cells, part_tree());
-  return search_part(walker, manifest, *cells, area, cells_max, stop);
-}
+bool StoredTriangulation::knows(const Bounds& box) const { return query::knows(result_->manifest, box); }
 
 Result<std::vector<Cell>> StoredTriangulation::locate(std::span<const Point> points, const AskOptions& options) const {
   std::vector<Cell> cells(points.size());
@@ -79,14 +51,14 @@ Result<std::vector<Cell>> StoredTriangulation::locate(std::span<const Point> poi
     cells[i].final = located.final;
     return success();
   };
-  BOOST_OUTCOME_TRYV(impl_->locate(batch, visit));
+  BOOST_OUTCOME_TRYV(result_->locate(batch, visit));
   return cells;
 }
 
 Result<CellDetails> StoredTriangulation::details(const Cell& cell) const {
-  Walker walker(impl_->cache, impl_->manifest, false);
+  Walker walker(result_->cache, result_->manifest, false);
   BOOST_OUTCOME_TRY(tile, walker.tile(cell.tile));
-  const Place place{tile, cell.cell};
+  const CellRef place{tile, cell.cell};
   CellDetails details{.cell = cell, .vertices = {}, .neighbors = {}};
   for (std::size_t k = 0; k < tile->corners(); ++k) {
     details.vertices.push_back(vertex_at(*tile, tile->vertex(cell.cell, k)));
@@ -101,6 +73,32 @@ Result<CellDetails> StoredTriangulation::details(const Cell& cell) const {
     details.neighbors.push_back(neighbor);
   }
   return details;
+}
+
+Result<Star> StoredTriangulation::star(PointId id, std::optional<TileId> owner, const AskOptions& options) const {
+  return star_of(*result_, id, owner, options);
+}
+
+Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& limits,
+                                           const AskOptions& options) const {
+  return cells_of(*result_, area, limits, options);
+}
+
+Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskOptions& options,
+                                            std::optional<double> max_edge) const {
+  return hull_of(*result_, limits, options, max_edge);
+}
+
+Result<Cell> StoredTriangulation::cell(TileId tile, std::int32_t place) const { return cell_of(*result_, tile, place); }
+
+Result<std::vector<TileId>> StoredTriangulation::tiles(const Area& area, const AskOptions& options) const {
+  return tiles_of(*result_, area, options);
+}
+
+Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<const Point> points,
+                                                                   const InterpolateOptions& what,
+                                                                   const AskOptions& options) const {
+  return interpolated(*result_, points, what, options);
 }
 
 }  // namespace tessera::query

@@ -19,6 +19,8 @@
 
 namespace tessera::query {
 
+struct OpenedResult;
+
 struct OpenOptions {
   // For tiles in memory. A query keeps at least what it needs at once: a tile a thread, and its neighbours in turn.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
@@ -161,9 +163,8 @@ class StoredTriangulation {
                                                 const AskOptions& options) const;
 
  private:
-  struct Impl;
-  explicit StoredTriangulation(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit StoredTriangulation(std::unique_ptr<OpenedResult> result);
+  std::unique_ptr<OpenedResult> result_;
 };
 
 }  // namespace tessera::query

@@ -8,7 +8,7 @@ Result<PinnedTile> TileCache::get(TileId tile, bool with_rows) {
   const auto index = source_.find(tile);
   if (!index)
     return error(Errc::corrupt, manifest_file(source_.folder()).string() + ": has no tile " + to_string(tile) +
-                                    ", which other tiles name as an owner");
+                                    ", but other tiles say that it owns vertices");
   std::unique_lock lock(mutex_);
   for (;;) {
     Slot& slot = slots_[tile];

@@ -33,15 +33,15 @@ void Walker::keep_only(const QueryTile* tile) {
   std::erase_if(pinned_, [&](const PinnedTile& pinned) { return pinned.get() != tile; });
 }
 
-Result<Place> Walker::across(Place from, std::size_t k) {
+Result<CellRef> Walker::across(CellRef from, std::size_t k) {
   const std::int32_t beyond = from.tile->neighbor(from.cell, k);
   if (from.tile->is_part()) {
     met_unknown_ = met_unknown_ || beyond < -1;
     met_unsure_ = met_unsure_ || (beyond >= 0 && !from.tile->is_final(beyond));
-    return beyond >= 0 ? Place{from.tile, beyond} : Place{};
+    return beyond >= 0 ? CellRef{from.tile, beyond} : CellRef{};
   }
-  if (beyond >= 0) return Place{from.tile, beyond};
-  if (beyond == -1) return Place{};
+  if (beyond >= 0) return CellRef{from.tile, beyond};
+  if (beyond == -1) return CellRef{};
   const std::int32_t v = from.tile->vertex(from.cell, k == 0 ? 1 : 0);
   const PointId opposite = from.tile->id_of(from.tile->vertex(from.cell, k));
   if (from.tile->owner(v) == from.tile->id())
@@ -50,23 +50,23 @@ Result<Place> Walker::across(Place from, std::size_t k) {
   for (std::size_t i = 0; i < same.tile->corners(); ++i) {
     if (same.tile->id_of(same.tile->vertex(same.cell, i)) != opposite) continue;
     const std::int32_t there = same.tile->neighbor(same.cell, i);
-    if (there == -1) return Place{};
-    if (there >= 0) return Place{same.tile, there};
+    if (there == -1) return CellRef{};
+    if (there >= 0) return CellRef{same.tile, there};
   }
   return same.tile->corrupt_cell(same.cell, "has a facet with an own vertex, and an unknown neighbour there");
 }
 
-Result<Place> Walker::same_in(Place place, TileId id) {
+Result<CellRef> Walker::same_in(CellRef place, TileId id) {
   if (place.tile->id() == id) return place;
   BOOST_OUTCOME_TRY(other, tile(id));
   BOOST_OUTCOME_TRY(cell, other->find(place.tile->ids(place.cell)));
   if (cell < 0)
     return place.tile->corrupt_cell(place.cell, "is missing in tile " + to_string(id) + ", which owns a vertex of it");
-  return Place{other, cell};
+  return CellRef{other, cell};
 }
 
 template <int d>
-Result<Located> Walker::walk(const Point& q, Place& at) {
+Result<Located> Walker::walk(const Point& q, CellRef& at) {
   constexpr std::size_t corners = d + 1;
   std::int32_t from = -1;
   for (std::uint64_t steps = 0; steps < steps_max_; ++steps) {
@@ -101,7 +101,7 @@ Result<Located> Walker::walk(const Point& q, Place& at) {
 }
 
 Result<Located> Walker::choose(const Point& q, const Located& found) {
-  Place place = found.place;
+  CellRef place = found.place;
   std::vector<PointId> face;
   TileId owner = place.tile->id();
   bool owned = false;
@@ -121,7 +121,7 @@ Result<Located> Walker::choose(const Point& q, const Located& found) {
   if (centre < 0) return there.tile->corrupt_cell(there.cell, "has vertices with other owners than in another tile");
   BOOST_OUTCOME_TRY(star, there.tile->around(centre));
   std::sort(face.begin(), face.end());
-  Place best = there;
+  CellRef best = there;
   CellIds first = there.tile->ids(there.cell);
   for (const std::int32_t cell : star) {
     const CellIds ids = there.tile->ids(cell);
@@ -133,14 +133,14 @@ Result<Located> Walker::choose(const Point& q, const Located& found) {
   return Located{best, facets_through(best, q)};
 }
 
-Result<Located> Walker::locate(const Point& q, Place& from) {
+Result<Located> Walker::locate(const Point& q, CellRef& from) {
   keep_only(from.tile);
   BOOST_OUTCOME_TRY(found, from.tile->mesh().dimension == 3 ? walk<3>(q, from) : walk<2>(q, from));
   if (!found.place || found.on_facets == 0) return std::move(found);
   return choose(q, found);
 }
 
-unsigned facets_through(const Place& place, const Point& q) {
+unsigned facets_through(const CellRef& place, const Point& q) {
   const QueryTile& tile = *place.tile;
   const std::size_t corners = tile.corners();
   std::array<Point, 4> p;

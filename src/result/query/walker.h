@@ -11,7 +11,7 @@
 namespace tessera::query {
 
 // A cell in one of the tiles that have it; no tile: outside the hull.
-struct Place {
+struct CellRef {
   const QueryTile* tile = nullptr;
   std::int32_t cell = -1;
   explicit operator bool() const { return tile != nullptr; }
@@ -19,12 +19,12 @@ struct Place {
 
 // The cell that contains a point, and the facets on which the point lies.
 struct Located {
-  Place place;
+  CellRef place;
   unsigned on_facets = 0;  // bit k: the point is on the facet opposite vertex k
   bool final = true;       // holds in the whole triangulation, too, when the result is a region
 };
 
-// Used by one thread. A Place is valid as long as its tile is pinned.
+// Used by one thread. A CellRef is valid as long as its tile is pinned.
 class Walker {
  public:
   // `with_rows`: read tiles with the attributes of their vertices.
@@ -39,16 +39,16 @@ class Walker {
   // The neighbour across the facet opposite corner k; no place when the facet is on the hull. When the tile does not
   // know the neighbour, the owner of a vertex of the facet does, because it has all cells around its vertices. Error
   // corrupt when that tile does not know it. In a region, there is also no place when the cell is unknown.
-  Result<Place> across(Place from, std::size_t k);
+  Result<CellRef> across(CellRef from, std::size_t k);
   // For regions: whether across() has met, since forget_doubts(), a facet with an unknown cell beyond, and a cell that
   // is not surely one of the whole triangulation.
   bool met_unknown() const { return met_unknown_; }
   bool met_unsure() const { return met_unsure_; }
   void forget_doubts() { met_unknown_ = met_unsure_ = false; }
   // The same cell in another tile that owns one of its vertices. Error corrupt when that tile does not have it.
-  Result<Place> same_in(Place place, TileId id);
+  Result<CellRef> same_in(CellRef place, TileId id);
   // The same cell in its main tile.
-  Result<Place> main_place(Place place) { return same_in(place, place.tile->main_tile(place.cell)); }
+  Result<CellRef> main_place(CellRef place) { return same_in(place, place.tile->main_tile(place.cell)); }
 
   // Finds the cell that contains q, boundaries included. When several do, the one whose sorted source indices come
   // first, so the answer depends only on the triangulation and q. No place: q is outside the hull. Exact. The walk
@@ -61,11 +61,11 @@ class Walker {
   // dimensions, Combinatorica 1990). The walk continues in another tile with the same cell, so it does not depend on
   // tiles. Beyond a facet of the hull there is nothing, because the hull is convex. The walk counts its steps, so
   // damaged files cannot make it endless.
-  Result<Located> locate(const Point& q, Place& from);
+  Result<Located> locate(const Point& q, CellRef& from);
 
  private:
   template <int d>
-  Result<Located> walk(const Point& q, Place& at);
+  Result<Located> walk(const Point& q, CellRef& at);
   // Returns the first of the cells around the face of `found` that has q in its interior.
   Result<Located> choose(const Point& q, const Located& found);
 
@@ -77,6 +77,6 @@ class Walker {
 };
 
 // Bit k: q is on the plane of the facet opposite corner k. Exact.
-unsigned facets_through(const Place& place, const Point& q);
+unsigned facets_through(const CellRef& place, const Point& q);
 
 }  // namespace tessera::query

@@ -62,7 +62,7 @@ SphereReach::SphereReach(std::span<const Point> cell)
 }
 
 // A difference is off by at most e = 2^-53 of itself, a square by 3e, the sum of three squares by 5e. So 16e cover all
-// of these and the square of the reach. Squares that underflow are below 1e-307: the last term keeps distances that
+// of these and the square of the radius. Squares that underflow are below 1e-307: the last term keeps distances that
 // small from counting as apart.
 bool SphereReach::meets(const Bounds& box) const {
   if (!ball_.known) return meets_exactly(cell_, box, dimension_);
@@ -72,7 +72,7 @@ bool SphereReach::meets(const Bounds& box) const {
     const double beside = std::max({box.lo[axis] - ball_.center[axis], ball_.center[axis] - box.hi[axis], 0.0});
     distance += beside * beside;
   }
-  return !(distance * (1 - 16 * eps) > ball_.reach * ball_.reach * (1 + 16 * eps) + 1e-300);
+  return !(distance * (1 - 16 * eps) > ball_.radius * ball_.radius * (1 + 16 * eps) + 1e-300);
 }
 
 HullReach::HullReach(std::span<const Point> cell, std::size_t infinite)

@@ -50,7 +50,7 @@ class Transfer {
     if (refused_) return false;
     // Status 206 here means another range than the requested one; else the whole file comes.
     refused_ = head.status == 206;
-    if (refused_) return error(Errc::io, "the server sends another part of the file than asked for");
+    if (refused_) return error(Errc::io, "the server has sent another part of the file than it was asked for");
     if (::ftruncate(out_.get(), 0) != 0) return failed(io_error(partial_, "cannot be emptied", errno));
     have_ = 0;
     return true;
@@ -90,7 +90,7 @@ Status receive(Server& server, const RemoteFile& file, const fs::path& partial,
     Transfer transfer(out, partial, have, on_bytes);
     auto answer = server.file(file.triangulation, file.path, have, etag_of(file), transfer.receiver(), stop);
     if (answer && answer.value().status == 416) {
-      return error(Errc::corrupt, name_of(file) + ": is shorter on the server than what is here of it");
+      return error(Errc::corrupt, name_of(file) + ": is shorter on the server than the part of it that is here");
     }
     if (transfer.have() != have) patience.restart();
     have = file.xxh3 ? transfer.have() : 0;

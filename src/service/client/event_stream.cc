@@ -18,7 +18,8 @@ Status EventStream::feed(std::string_view bytes) {
       continue;
     }
     line_ += c;
-    if (line_.size() + event_.data.size() > event_bytes_max) return error(Errc::io, "the server's events have no end");
+    if (line_.size() + event_.data.size() > event_bytes_max)
+      return error(Errc::io, "an event of the server is longer than " + std::to_string(event_bytes_max >> 20) + " MiB");
   }
   return success();
 }

@@ -43,7 +43,7 @@ Result<Server> Server::make(ServerOptions options) {
   if (options.token.empty()) options.token = options.address.token;
   const auto printable = [](unsigned char c) { return c > 0x20 && c < 0x7f; };
   if (!std::all_of(options.token.begin(), options.token.end(), printable))
-    return error(Errc::usage, "the token holds spaces, or characters that a token cannot hold");
+    return error(Errc::usage, "the token has a space, or another character that no token can have");
   BOOST_OUTCOME_TRY(connection, Connection::make(options.address, options.authorities));
   BOOST_OUTCOME_TRY(watching, Connection::make(options.address, options.authorities));
   return Server(std::move(options), std::move(connection), std::move(watching));
@@ -54,7 +54,7 @@ void Server::authorize(HttpRequest& request) const {
 }
 
 Error Server::no_tessera() const {
-  return error(Errc::usage, options_.address.text() + ": what answers there is no Tessera server");
+  return error(Errc::usage, options_.address.text() + ": the server there is no Tessera server");
 }
 
 Error Server::with_advice(Error failed) const {

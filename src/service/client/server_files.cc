@@ -59,8 +59,8 @@ Result<std::uint64_t> Server::uploaded(const std::string& folder, const std::str
   const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), bytes);
   if (answer.status == 204 && wrong == std::errc{} && end == text.data() + text.size()) return bytes;
   // The answer to HEAD has no sentence.
-  return error(code_of(answer.status, 0),
-               options_.address.text() + ": the upload is refused with status " + std::to_string(answer.status));
+  return error(code_of(answer.status, 0), options_.address.text() + ": the server refuses the upload with status " +
+                                              std::to_string(answer.status));
 }
 
 Status Server::upload(const std::string& folder, const std::string& file, std::uint64_t from, std::uint64_t bytes,

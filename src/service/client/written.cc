@@ -24,7 +24,7 @@ bool is_name(const std::string& text) { return !leads_elsewhere(text) && !fs::pa
 
 Error no_place(const WrittenFile& file) {
   return error(Errc::corrupt, "the server says that the export has written '" + file.path +
-                                  "', which is none of its files; not fetched");
+                                  "', but an export cannot write that file; the file was not downloaded");
 }
 
 }  // namespace

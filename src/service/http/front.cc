@@ -93,7 +93,7 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
   if (allowed.empty()) return problem(404, "there is nothing at this address");
   if (!admitted.route) {
     std::sort(allowed.begin(), allowed.end());
-    Answer answer = problem(405, "this address takes " + joined(allowed));
+    Answer answer = problem(405, "this address allows only " + joined(allowed));
     if (request.method == "OPTIONS") {
       answer = Answer{};
       answer.status = 204;
@@ -117,7 +117,7 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
   const auto& known = admitted.route->query;
   for (const auto& given : request.target.query)
     if (std::none_of(known.begin(), known.end(), [&](const auto& parameter) { return parameter.name == given.first; }))
-      return problem(400, "the parameter '" + given.first + "' is not one of this address", 2);
+      return problem(400, "this address has no parameter '" + given.first + "'", 2);
   return std::nullopt;
 }
 
@@ -136,7 +136,8 @@ Answer Front::answer(const Request& request, const Admitted& admitted) {
     return lost ? problem(503, *lost, static_cast<int>(Errc::io)) : std::move(answer);
   } catch (const std::exception& failure) {
     spdlog::error("{} {}: {}", request.method, request.target.path, failure.what());
-    return problem(500, "the service failed at it; its log says more", static_cast<int>(Errc::internal));
+    return problem(500, "the service failed to answer this request; its log has the reason",
+                   static_cast<int>(Errc::internal));
   }
 }
 

@@ -53,7 +53,7 @@ class Front {
   // Writes the problem, if any, and the security headers; updates figures and audit.
   void complete(const Request& request, const Admitted& admitted, Answer& answer);
 
-  const Router& router() const { return router_; }
+  const HttpRouter& router() const { return router_; }
   const Tokens& tokens() const { return tokens_; }
   // Replaces the tokens, and ends sessions of tokens that are gone. Error io: the sessions have ended, but come back at
   // a restart.
@@ -71,7 +71,7 @@ class Front {
   Links links_;
   Guard guard_;
   Shared shared_;
-  Router router_;
+  HttpRouter router_;
   Context context_;
   RefusalLog refusals_;
 };

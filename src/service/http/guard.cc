@@ -118,7 +118,7 @@ std::optional<Answer> Guard::check_host(const Request& request, Place place) con
   if (hosts_.contains(host)) return std::nullopt;
   // A supervisor uses an address. Attacks by DNS rebinding need a name.
   if (place == Place::operations && is_address(host)) return std::nullopt;
-  return problem(421, "Host: this name is not one of this service's", 2);
+  return problem(421, "Host: the service does not have this name", 2);
 }
 
 Guard::Shown Guard::identify(Request& request) const {
@@ -152,7 +152,7 @@ Answer Guard::refuse(const Request& request, bool wrong) {
     answer.close = true;  // otherwise many guesses on one connection would cost little
     return answer;
   }
-  Answer answer = problem(401, wrong ? "the token is not one of this service's" : "a token is needed");
+  Answer answer = problem(401, wrong ? "the service does not know this token" : "a token is needed");
   answer.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"tessera\"");
   return answer;
 }
@@ -178,7 +178,7 @@ std::optional<Answer> Guard::check_origin(const Request& request, const Shown& s
 
 Answer Guard::sign_in(const Request& request) {
   const auto token = bearer_of(request.header("authorization"));
-  if (!token) return problem(400, "a session is begun with a token: Authorization: Bearer", 2);
+  if (!token) return problem(400, "a session begins with a token, in the header Authorization: Bearer", 2);
   const auto session = sessions_.begin(Tokens::mark_of(*token), Sessions::Clock::now());
   if (!session) return problem(500, session.error().where, static_cast<int>(session.error().code));
   Answer answer;

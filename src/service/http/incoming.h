@@ -15,7 +15,7 @@ struct Session::Incoming {
   Request request;
   Admitted admitted;
   std::optional<std::uint64_t> length;
-  std::optional<Turns::Place> place;  // where callers take turns: held until the request is answered
+  std::optional<Turns::QueueSlot> slot;  // where callers take turns: held until the request is answered
   bool chunked = false, keep_alive = false, head = false, expects_continue = false;
 
   bool has_body() const { return chunked || length.value_or(0) > 0; }

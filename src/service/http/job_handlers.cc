@@ -167,7 +167,7 @@ Answer events(const Call& call, Shared& shared, const std::string& id) {
     if (last_id.size() <= 19 && last_id.find_first_not_of("0123456789") == std::string_view::npos)
       last = std::stoull(std::string(last_id));
     else
-      return problem(400, "Last-Event-ID: is not a number of an event", 2);
+      return problem(400, "Last-Event-ID: is not the number of an event", 2);
   }
   auto queue = std::make_shared<EventQueue>(shared.texts, id, EventQueue::Limits{});
   std::string told;  // the state

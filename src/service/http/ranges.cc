@@ -63,7 +63,7 @@ Answer file_answer(const Request& request, const ServedFile& served) {
   FileHandle file(served.descriptor);
   if (const std::string_view match = request.header("if-match");
       !match.empty() && !names_tag(match, served.etag, false))
-    return problem(412, "the file has another ETag than If-Match names");
+    return problem(412, "the file has another ETag than those of If-Match");
   Answer answer;
   answer.headers.emplace_back("Accept-Ranges", "bytes");
   if (!served.etag.empty()) {

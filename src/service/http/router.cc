@@ -42,12 +42,12 @@ std::vector<std::string> arguments_of(const std::vector<std::string>& wanted,
 
 }  // namespace
 
-Router::Router(std::vector<Route> routes) : routes_(std::move(routes)) {
+HttpRouter::HttpRouter(std::vector<Route> routes) : routes_(std::move(routes)) {
   for (const Route& route : routes_) templates_.push_back(split(route.path));
 }
 
-const Route* Router::find(Place place, std::string_view method, const std::vector<std::string>& segments,
-                          std::vector<std::string>& arguments, std::vector<std::string>& allowed) const {
+const Route* HttpRouter::find(Place place, std::string_view method, const std::vector<std::string>& segments,
+                              std::vector<std::string>& arguments, std::vector<std::string>& allowed) const {
   const Route* found = nullptr;
   const Route* as_get = nullptr;
   for (std::size_t at = 0; at < routes_.size(); ++at) {

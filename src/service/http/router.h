@@ -69,9 +69,9 @@ struct Route {
   UploadHandler upload = {};  // if set, receives the body; `handler` answers after it
 };
 
-class Router {
+class HttpRouter {
  public:
-  explicit Router(std::vector<Route> routes);
+  explicit HttpRouter(std::vector<Route> routes);
 
   const std::vector<Route>& routes() const { return routes_; }
   // Finds the route for `method` among the routes with this path (GET for HEAD where there is no HEAD), and its

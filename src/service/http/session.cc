@@ -48,9 +48,7 @@ Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place
       place_(place),
       limits_(limits),
       workers_(workers),
-      time_(transport_->socket().get_executor()),
-      wake_(transport_->socket().get_executor()),
-      look_(transport_->socket().get_executor()) {
+      time_(transport_->socket().get_executor()) {
   front_.metrics().add_connections(1);
 }
 
@@ -146,15 +144,13 @@ asio::awaitable<Answer> Session::answer(Incoming& incoming) {
   never_give_up();
   Request& request = incoming.request;
   if (in_turn(runs)) {
-    asked_ = std::make_unique<Asked>();
-    request.stop = request.caller.stop = asked_->stop.get_token();
-    watch_caller(runs);
+    asked_ = std::make_shared<WatchedWork>(
+        transport_, runs == Runs::changes ? std::optional(limits_.work) : std::optional<std::chrono::milliseconds>());
+    request.stop = request.caller.stop = asked_->token();
+    asked_->watch();
   }
   const auto work = [&] {
-    if (asked_) {
-      asked_->since = std::chrono::steady_clock::now();
-      asked_->begun = true;
-    }
+    if (asked_) asked_->begin();
     return front_.answer(request, incoming.admitted);
   };
   const auto post = [&](auto task) {
@@ -164,9 +160,8 @@ asio::awaitable<Answer> Session::answer(Incoming& incoming) {
       asio::post(runs == Runs::health ? workers_.health : workers_.disk, std::move(task));
   };
   std::optional<Answer> answered = co_await on_worker(post, work);
-  incoming.place.reset();
+  incoming.slot.reset();
   asked_.reset();
-  look_.cancel();
   co_return std::move(*answered);
 }
 
@@ -175,11 +170,11 @@ std::optional<Answer> Session::refused_by_header(const Incoming& incoming, bool 
   const Admitted& admitted = incoming.admitted;
   const auto encoding = incoming.request.header("transfer-encoding");
   // Beast takes a body in any other encoding for none, and what follows for the next request.
-  if (!encoding.empty() && encoding != "chunked") return problem(501, "Transfer-Encoding: only chunked is understood");
+  if (!encoding.empty() && encoding != "chunked") return problem(501, "Transfer-Encoding: only chunked is supported");
   // What stands before this service may read it as a header of its own.
-  if (folded) return problem(400, "a line of the header begins with a space");
-  if (version != 11 && version != 10) return problem(400, "only HTTP/1.1 and HTTP/1.0 are spoken here");
-  if (!expect.empty() && !incoming.expects_continue) return problem(417, "Expect: only 100-continue is understood");
+  if (folded) return problem(400, "a line of the header begins with a space or a tab");
+  if (version != 11 && version != 10) return problem(400, "only HTTP/1.1 and HTTP/1.0 are supported");
+  if (!expect.empty() && !incoming.expects_continue) return problem(417, "Expect: only 100-continue is supported");
   if (admitted.answer) return std::nullopt;
   if (!admitted.route->upload && incoming.length.value_or(0) > body_bytes)
     return problem(413, "the body is larger than " + std::to_string(body_bytes) + " bytes");
@@ -246,7 +241,7 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   }
   if (auto refused = refused_by_header(incoming, folded, expect, message.version(), limits_.body_bytes))
     admitted.answer = std::move(*refused);
-  if (!admitted.answer) admitted.answer = take_place(incoming);
+  if (!admitted.answer) admitted.answer = take_slot(incoming);
   give_up_after(limits_.body);
   if (!admitted.answer && incoming.expects_continue && incoming.has_body() && buffer_.size() == 0) {
     const std::function<void()> no_matter = [] {};
@@ -268,9 +263,10 @@ asio::awaitable<bool> Session::send(Incoming& incoming, Answer answer) {
   if (!error && !bare && answer.file)
     error = co_await transport_->send_file(answer.file->file.get(), answer.file->offset, answer.file->bytes, progress);
   if (!error && !bare && answer.events) {
-    events_ = answer.events;
-    error = co_await send_events(*events_);
-    events_->on_wake({});
+    events_ = std::make_shared<EventSender>(transport_, answer.events, limits_,
+                                            [this](std::chrono::milliseconds time) { give_up_after(time); });
+    if (draining_) events_->end();
+    error = co_await events_->run();
     events_.reset();
   }
   co_return keep && !error;

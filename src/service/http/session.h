@@ -3,7 +3,6 @@
 
 #include "src/service/http/transport.h"
 
-#include <atomic>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <chrono>
@@ -11,21 +10,15 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 
+#include "src/service/http/event_sender.h"
 #include "src/service/http/front.h"
+#include "src/service/http/session_limits.h"
+#include "src/service/http/watched_work.h"
 #include "src/service/http/workers.h"
 
 namespace tessera::http {
-
-struct SessionLimits {
-  std::uint32_t header_bytes = 8 << 10;
-  std::uint64_t body_bytes = 1 << 20;  // without uploads
-  // `write` is the time without any progress; `work` is for requests that take turns, except questions, which have
-  // bounds of their own.
-  std::chrono::milliseconds header{10'000}, idle{60'000}, body{30'000}, write{30'000}, comment{15'000}, work{60'000};
-};
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
@@ -41,17 +34,12 @@ class Session : public std::enable_shared_from_this<Session> {
   void drain();
   // Stops work for this session, if there is any. REQUIRES: the session no longer runs.
   void stop_asking() {
-    if (asked_) asked_->stop.request_stop();
+    if (asked_) asked_->stop();
   }
   asio::any_io_executor executor() { return transport_->socket().get_executor(); }
 
  private:
   struct Incoming;  // a request while it is read
-  struct Asked {    // work that is done in turn with other callers
-    std::stop_source stop;
-    std::atomic<bool> begun = false;
-    std::chrono::steady_clock::time_point since;  // set before `begun`
-  };
 
   void give_up_after(std::chrono::milliseconds time);
   void never_give_up() { deadline_ = std::chrono::steady_clock::time_point::max(); }  // while a worker works
@@ -62,18 +50,15 @@ class Session : public std::enable_shared_from_this<Session> {
   static std::optional<Answer> refused_by_header(const Incoming& incoming, bool folded, const std::string& expect,
                                                  unsigned version, std::uint64_t body_bytes);
   asio::awaitable<bool> read_header(Incoming& incoming);
-  std::optional<Answer> take_place(Incoming& incoming);
+  std::optional<Answer> take_slot(Incoming& incoming);
   Turns& turns(Runs runs) { return *(runs == Runs::changes ? workers_.changes : workers_.questions); }
   asio::awaitable<bool> read_body(Incoming& incoming);
   asio::awaitable<bool> take_upload(Incoming& incoming);
   asio::awaitable<ErrorCode> read_more();
   asio::awaitable<bool> send(Incoming& incoming, Answer answer);
-  asio::awaitable<ErrorCode> send_events(EventQueue& queue);
-  void watch_peer();
-  void watch_caller(Runs runs);
   asio::awaitable<void> linger();
 
-  std::unique_ptr<Transport> transport_;
+  std::shared_ptr<Transport> transport_;
   Front& front_;
   const Place place_;
   const SessionLimits& limits_;
@@ -81,11 +66,9 @@ class Session : public std::enable_shared_from_this<Session> {
   boost::beast::flat_buffer buffer_;  // read and not yet parsed
   asio::steady_timer time_;
   std::chrono::steady_clock::time_point deadline_;
-  asio::steady_timer wake_;  // while waiting for events
-  std::shared_ptr<EventQueue> events_;
-  asio::steady_timer look_;       // for checks of the caller, while it waits for its turn and its answer
-  std::unique_ptr<Asked> asked_;  // of that request
-  bool open_ = true, idle_ = true, draining_ = false, peer_gone_ = false, unread_ = false;
+  std::shared_ptr<EventSender> events_;  // while events are sent
+  std::shared_ptr<WatchedWork> asked_;   // while a request waits for its turn and its answer
+  bool open_ = true, idle_ = true, draining_ = false, unread_ = false;
   std::string remote_;
   std::uint16_t port_ = 0;
 };

@@ -13,17 +13,17 @@ constexpr std::size_t buffered_max = 64 << 10, upload_piece = 256 << 10;
 
 }  // namespace
 
-// Takes a place for the request. Returns the reason as an answer when there is none.
-std::optional<Answer> Session::take_place(Incoming& incoming) {
+// Takes a slot of the queue for the request. Returns the reason as an answer when there is none.
+std::optional<Answer> Session::take_slot(Incoming& incoming) {
   const Runs runs = incoming.admitted.route->runs;
   if (!in_turn(runs)) return std::nullopt;
-  auto place = turns(runs).enter(incoming.request.caller.name,
-                                 incoming.chunked ? limits_.body_bytes : incoming.length.value_or(0));
-  if (place) {
-    incoming.place.emplace(std::move(*place));
+  auto slot = turns(runs).enter(incoming.request.caller.name,
+                                incoming.chunked ? limits_.body_bytes : incoming.length.value_or(0));
+  if (slot) {
+    incoming.slot.emplace(std::move(*slot));
     return std::nullopt;
   }
-  return problem(503, "too many requests wait already, of this token or of all");
+  return problem(503, "too many requests wait already, with this token or in all");
 }
 
 asio::awaitable<bool> Session::read_body(Incoming& incoming) {
@@ -41,7 +41,7 @@ asio::awaitable<bool> Session::read_body(Incoming& incoming) {
       unread_ = true;
       const bool large = error == beast::http::error::body_limit;
       Answer refused = large ? problem(413, "the body is larger than " + std::to_string(limits_.body_bytes) + " bytes")
-                             : problem(400, "the body is not framed as HTTP frames one");
+                             : problem(400, "the chunks of the body are not as HTTP defines them");
       co_await send(incoming, std::move(refused));
       co_return false;
     }

@@ -39,7 +39,7 @@ Status Sessions::load(Clock::time_point now) {
     if (!(words >> session >> kept.mark >> kept.ends_s) || words >> more || !is_checksum(session) ||
         !is_checksum(kept.mark))
       return error(Errc::usage, file_.string() + ", line " + std::to_string(number) +
-                                    ": is no session; without the file everybody signs in again");
+                                    ": is no session; if you remove the file, everybody must sign in again");
     if (kept.ends_s > seconds(now)) kept_[session] = std::move(kept);
   }
   return success();

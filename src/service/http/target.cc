@@ -59,7 +59,7 @@ Status parse_query(std::string_view text, Target& target) {
     const std::size_t equals = std::min(pair.find('='), pair.size());
     BOOST_OUTCOME_TRY(name, decode(pair.substr(0, equals), true));
     BOOST_OUTCOME_TRY(value, decode(pair.substr(std::min(equals + 1, pair.size())), true));
-    if (target.parameter(name)) return refused("gives a parameter twice");
+    if (target.parameter(name)) return refused("has a parameter twice");
     if (target.query.size() == parameters_max) return refused("has more than 32 parameters");
     target.query.emplace_back(std::move(name), std::move(value));
   }

@@ -9,7 +9,7 @@ namespace tessera::http {
 
 Turns::~Turns() { check(threads_.empty(), "turns end with their threads joined"); }
 
-std::optional<Turns::Place> Turns::enter(const std::string& caller, std::uint64_t bytes) {
+std::optional<Turns::QueueSlot> Turns::enter(const std::string& caller, std::uint64_t bytes) {
   const std::scoped_lock lock(mutex_);
   if (places_ >= limits_.places || bytes_ + bytes > limits_.bytes) return std::nullopt;
   const auto lane = lanes_.try_emplace(caller).first;
@@ -21,7 +21,7 @@ std::optional<Turns::Place> Turns::enter(const std::string& caller, std::uint64_
   ++lane->second.places;
   bytes_ += bytes;
   lane->second.bytes += bytes;
-  return Place(shared_from_this(), caller, bytes);
+  return QueueSlot(shared_from_this(), caller, bytes);
 }
 
 void Turns::leave(const std::string& caller, std::uint64_t bytes) {

@@ -26,22 +26,22 @@ struct TurnLimits {
   std::uint64_t bytes = std::uint64_t{64} << 20, bytes_of_a_caller = std::uint64_t{32} << 20;
 };
 
-// Thread-safe. Places may outlive this object.
+// Thread-safe. Slots may outlive this object.
 class Turns : public std::enable_shared_from_this<Turns> {
  public:
-  // The place of a request. It is taken before the body is read, so that waiting bodies are bounded. The destructor
-  // gives it back.
-  class Place {
+  // A request's slot in the queue. It is taken before the body is read, so that waiting bodies are bounded. The
+  // destructor gives it back.
+  class QueueSlot {
    public:
-    Place(Place&&) noexcept = default;
-    Place& operator=(Place&&) = delete;
-    ~Place() {
+    QueueSlot(QueueSlot&&) noexcept = default;
+    QueueSlot& operator=(QueueSlot&&) = delete;
+    ~QueueSlot() {
       if (turns_) turns_->leave(caller_, bytes_);
     }
 
    private:
     friend Turns;
-    Place(std::shared_ptr<Turns> turns, std::string caller, std::uint64_t bytes)
+    QueueSlot(std::shared_ptr<Turns> turns, std::string caller, std::uint64_t bytes)
         : turns_(std::move(turns)), caller_(std::move(caller)), bytes_(bytes) {}
     std::shared_ptr<Turns> turns_;
     std::string caller_;
@@ -53,7 +53,7 @@ class Turns : public std::enable_shared_from_this<Turns> {
   ~Turns();
 
   // Returns nothing when there are too many requests already.
-  std::optional<Place> enter(const std::string& caller, std::uint64_t bytes);
+  std::optional<QueueSlot> enter(const std::string& caller, std::uint64_t bytes);
   // A thread calls `work()` when it is the caller's turn. After stop() no work is begun.
   template <class Work>
   void post(const std::string& caller, Work work) {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/random.h"
+#include "src/base/mixed_bits.h"
 
 namespace tessera {
 

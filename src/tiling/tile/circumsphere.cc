@@ -96,7 +96,7 @@ Ball circumcircle(const Point& a, const Point& b, const Point& c) {
 bool surely_inside(const Ball& ball, const Box& box, int dimension) {
   if (!ball.known) return false;
   for (int i = 0; i < dimension; ++i) {
-    const double c = ball.center[i], r = ball.reach + 4 * eps * (std::abs(c) + ball.reach);
+    const double c = ball.center[i], r = ball.radius + 4 * eps * (std::abs(c) + ball.radius);
     if (!(c - r > box.lo[i] && c + r < box.hi[i])) return false;
   }
   return true;

@@ -12,7 +12,7 @@ namespace tessera {
 struct Ball {
   bool known = false;
   Point center;
-  double reach = 0;  // every point of the true sphere is within this distance of `center`
+  double radius = 0;  // every point of the true sphere is within this distance of `center`
 };
 
 // Returns the ball of a tetrahedron. The error bound is derived in circumsphere.cc.

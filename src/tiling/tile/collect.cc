@@ -220,24 +220,24 @@ class Collector {
     place_final_cells(finals, shift);
   }
 
-  // Returns a neighbour number for a cell that was written early: a row beyond the last one. `places` tells which cell
-  // it is.
-  std::uint32_t across_written(std::uint32_t place, std::size_t rows) {
-    written_.push_back(static_cast<std::int32_t>(place));
+  // Returns a neighbour number for a cell that was written early: a row beyond the last one. `mesh_index` tells which
+  // cell it is.
+  std::uint32_t across_written(std::uint32_t mesh_index, std::size_t rows) {
+    written_.push_back(static_cast<std::int32_t>(mesh_index));
     return static_cast<std::uint32_t>(4 * (rows + written_.size() - 1));
   }
 
-  // Final cells with a known place go there, before all cells that are to be sorted.
+  // Final cells with a known mesh_index go there, before all cells that are to be sorted.
   void place_final_cells(const PendingFinals& finals, std::uint32_t shift) {
     const std::size_t count = finals.cells.rows.size();
-    if (finals.place.empty()) {
+    if (finals.mesh_index.empty()) {
       least_.resize(shift + count);
       for (std::size_t c = 0; c < count; ++c) keep(shift + c, extremes(in_.cells[shift + c].vertices).first - 1, 0);
       return;
     }
     tile_.order.resize(count);
     placed_ = count;
-    for (std::uint32_t c = 0; c < count; ++c) tile_.order[finals.place[c] - finals.early] = shift + c;
+    for (std::uint32_t c = 0; c < count; ++c) tile_.order[finals.mesh_index[c] - finals.early] = shift + c;
   }
 
   // Puts the other kept cells into buckets by their least vertex.
@@ -258,10 +258,10 @@ class Collector {
     const std::size_t before = tile_.early + placed_;
     mesh_.cell_ghost.resize(tile_.early + tile_.order.size());
     std::fill_n(mesh_.cell_ghost.begin(), before, std::uint8_t{0});
-    tile_.places.resize(tile_.rows.size() + written_.size() + 2);
-    std::int32_t* const place = tile_.places.data() + 2;
-    for (std::size_t i = 0; i < placed_; ++i) place[tile_.order[i]] = static_cast<std::int32_t>(tile_.early + i);
-    std::copy(written_.begin(), written_.end(), place + tile_.rows.size());
+    tile_.mesh_index.resize(tile_.rows.size() + written_.size() + 2);
+    std::int32_t* const mesh_index = tile_.mesh_index.data() + 2;
+    for (std::size_t i = 0; i < placed_; ++i) mesh_index[tile_.order[i]] = static_cast<std::int32_t>(tile_.early + i);
+    std::copy(written_.begin(), written_.end(), mesh_index + tile_.rows.size());
     SortedCells unsorted = tile_.sorted();
     unsorted.order = unsorted.order.subspan(placed_);
     sort_cells(d, unsorted,
@@ -270,7 +270,7 @@ class Collector {
                 .end = std::span(end_).first(own_),
                 .owners = mesh_.owners,
                 .self = in_.self,
-                .place = place,
+                .mesh_index = mesh_index,
                 .ghost = mesh_.cell_ghost.data() + before},
                in_.stop);
   }
@@ -286,7 +286,7 @@ class Collector {
   BigVector<std::uint32_t> end_;                                 // by own vertex: see CellsToSort
   BigVector<std::uint32_t> least_;     // by cell: its least vertex | mixed_row, or why it is not kept
   std::size_t placed_ = 0;             // cells at the beginning of the order that need no sorting
-  std::vector<std::int32_t> written_;  // places of early cells that are neighbours of kept cells
+  std::vector<std::int32_t> written_;  // numbers of early cells that are neighbours of kept cells
 };
 
 }  // namespace

@@ -8,7 +8,9 @@
 
 namespace tessera {
 
-SortedCells CollectedTile::sorted() const { return {{rows.data(), rows.size()}, order, index, own, places.data() + 2}; }
+SortedCells CollectedTile::sorted() const {
+  return {{rows.data(), rows.size()}, order, index, own, mesh_index.data() + 2};
+}
 
 Status CollectedTile::vertices(const Take& take) const {
   return stream_cells(mesh.dimension, sorted(), copy_vertices, take);
@@ -33,7 +35,8 @@ TileMesh CollectedTile::whole(std::span<const std::int32_t> vertices, std::span<
 }
 
 std::uint64_t CollectedTile::bytes() const {
-  return mesh.bytes() + rows.size() * sizeof(CellRow) + (order.capacity() + index.capacity() + places.capacity()) * 4;
+  return mesh.bytes() + rows.size() * sizeof(CellRow) +
+         (order.capacity() + index.capacity() + mesh_index.capacity()) * 4;
 }
 
 }  // namespace tessera

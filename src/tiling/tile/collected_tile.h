@@ -21,8 +21,8 @@ struct CollectedTile final : CellStream {
   CellRows rows;
   BigVector<std::uint32_t> order;    // of the rows that are the other cells of the mesh, as in SortedCells
   std::vector<std::uint32_t> index;  // as in SortedCells
-  // as SortedCells::place, from the third entry on; the two before it stand for facets without a neighbour
-  BigVector<std::int32_t> places{-2, -1};
+  // as SortedCells::mesh_index, from the third entry on; the two before it stand for facets without a neighbour
+  BigVector<std::int32_t> mesh_index{-2, -1};
   std::uint32_t own = 0;
 
   Status vertices(const Take& take) const override;

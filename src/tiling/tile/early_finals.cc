@@ -43,8 +43,8 @@ EarlyFinals::EarlyFinals(int dimension, std::span<const PointId> ids, FinalCells
   throw_if_stopped(stop);
   const std::span<const CellRow> rows(cells_.rows.data(), cells_.rows.size());
   order_.resize(rows.size());
-  places_.resize(rows.size() + 2);
-  places_[0] = -2, places_[1] = -1;
+  mesh_index_.resize(rows.size() + 2);
+  mesh_index_[0] = -2, mesh_index_[1] = -1;
   Buckets inner(ids.size()), outer(ids.size());
   BigVector<std::uint32_t> least(rows.size());
   dimension == 3 ? look_at<3>(rows, least.data(), inner, outer) : look_at<2>(rows, least.data(), inner, outer);
@@ -64,7 +64,7 @@ EarlyFinals::EarlyFinals(int dimension, std::span<const PointId> ids, FinalCells
                 .end = std::span(buckets.end).first(ids.size()),
                 .owners = {},
                 .self = {},
-                .place = places_.data() + 2,
+                .mesh_index = mesh_index_.data() + 2,
                 .ghost = nullptr},
                stop);
   };
@@ -78,7 +78,7 @@ SortedCells EarlyFinals::sorted(std::size_t first, std::size_t end) const {
           .order = std::span(order_).subspan(first, end - first),
           .index = {},
           .own = static_cast<std::uint32_t>(ids_.size()),
-          .place = places_.data() + 2};
+          .mesh_index = mesh_index_.data() + 2};
 }
 
 Status EarlyFinals::vertices(const Take& take) const {
@@ -93,12 +93,12 @@ PendingFinals EarlyFinals::left() const {
   PendingFinals kept;
   kept.early = static_cast<std::uint32_t>(early_);
   kept.cells.others = cells_.others;
-  const std::int32_t* const place = places_.data() + 2;
-  const auto is_early = [&](std::uint32_t row) { return static_cast<std::uint64_t>(place[row]) < early_; };
+  const std::int32_t* const mesh_index = mesh_index_.data() + 2;
+  const auto is_early = [&](std::uint32_t row) { return static_cast<std::uint64_t>(mesh_index[row]) < early_; };
   for (std::uint32_t row = 0; row < cells_.rows.size(); ++row) {
     if (is_early(row)) continue;
     kept.frozen.push_back(row);
-    kept.place.push_back(static_cast<std::uint32_t>(place[row]));
+    kept.mesh_index.push_back(static_cast<std::uint32_t>(mesh_index[row]));
   }
   BigVector<std::uint32_t> kept_row(cells_.rows.size());
   for (std::uint32_t k = 0; k < kept.frozen.size(); ++k) kept_row[kept.frozen[k]] = k;
@@ -108,7 +108,7 @@ PendingFinals EarlyFinals::left() const {
     for (int i = 0; i <= dimension_; ++i) {
       std::uint32_t& n = row.neighbors[i];
       if (n == FinalCells::open) continue;
-      n = is_early(n / 4) ? PendingFinals::written | static_cast<std::uint32_t>(place[n / 4])
+      n = is_early(n / 4) ? PendingFinals::written | static_cast<std::uint32_t>(mesh_index[n / 4])
                           : 4 * kept_row[n / 4] + n % 4;
     }
     kept.cells.rows.push_back(row);

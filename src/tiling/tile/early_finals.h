@@ -41,8 +41,8 @@ class EarlyFinals final : public CellStream {
   int dimension_;
   std::vector<PointId> ids_;  // a copy, as the cells may be written when the tile has gone
   FinalCells cells_;
-  BigVector<std::uint32_t> order_;  // by place in the mesh: the row
-  BigVector<std::int32_t> places_;  // as SortedCells::place, from the third entry on
+  BigVector<std::uint32_t> order_;      // by number in the mesh: the row
+  BigVector<std::int32_t> mesh_index_;  // as SortedCells::mesh_index, from the third entry on
   std::uint64_t early_ = 0;
 };
 

@@ -46,12 +46,12 @@ std::size_t RowsOfFrozen::of(std::uint32_t number) const {
 
 bool PendingFinals::sound(int dimension, std::uint64_t own) const {
   const std::size_t count = cells.rows.size();
-  if (count + early > CellRow::most || frozen.size() != place.size()) return false;
-  if (place.empty() ? early > 0 && count > 0 : place.size() != count) return false;
+  if (count + early > CellRow::most || frozen.size() != mesh_index.size()) return false;
+  if (mesh_index.empty() ? early > 0 && count > 0 : mesh_index.size() != count) return false;
   if (!frozen.empty() && frozen.back() >= CellRow::most) return false;
   if (!std::is_sorted(frozen.begin(), frozen.end(), std::less_equal<>())) return false;
-  std::vector<bool> taken(place.size());
-  for (const std::uint32_t p : place) {
+  std::vector<bool> taken(mesh_index.size());
+  for (const std::uint32_t p : mesh_index) {
     if (p < early || p - early >= count || taken[p - early]) return false;
     taken[p - early] = true;
   }

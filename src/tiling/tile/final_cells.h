@@ -16,16 +16,16 @@ namespace tessera {
 FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& open, int dimension);
 
 // Final cells that are kept for TileTriangulation::collect(): either all, or those that were not written early. In the
-// second case `place` says where they stand in the mesh, behind the early cells.
+// second case `mesh_index` says where they stand in the mesh, behind the early cells.
 struct PendingFinals {
-  // | its place in the mesh: a neighbour that was written early
+  // | its mesh_index: a neighbour that was written early
   static constexpr std::uint32_t written = std::uint32_t{1} << 31;
-  FinalCells cells;                 // a neighbour is a row of this list, written | place, or open
-  BigVector<std::uint32_t> place;   // by row: the place in the mesh; empty: the order follows from the vertices
+  FinalCells cells;                     // a neighbour is a row of this list, written | mesh_index, or open
+  BigVector<std::uint32_t> mesh_index;  // by row: the number in the mesh; empty: the order follows from the vertices
   BigVector<std::uint32_t> frozen;  // by row, ascending: the number by which the kernel knows the cell; empty: the row
   std::uint32_t early = 0;          // how many cells were written early: cells 0 to early - 1
 
-  std::size_t bytes() const { return cells.rows.bytes() + (place.size() + frozen.size()) * 4; }
+  std::size_t bytes() const { return cells.rows.bytes() + (mesh_index.size() + frozen.size()) * 4; }
   // Whether collect() can take these cells safely, which may come from a damaged file. `own`: points of the tile.
   bool sound(int dimension, std::uint64_t own) const;
 };

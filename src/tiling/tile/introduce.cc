@@ -1,12 +1,91 @@
-// What a tile tells others of points that have arrived: by the rule of docs/design.md, section 2, or by the published
-// one.
+// What a tile tells others: before the first splay, of points that have arrived (by the rule of docs/design.md, section
+// 2, or by the published one), and what it sends again after a loss (docs/recovery.md).
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/tiling/tile/circumsphere.h"
+#include "src/tiling/tile/spacing.h"
 #include "src/tiling/tile/tile_triangulation.h"
 
 namespace tessera {
+namespace {
+
+// How far a sphere must reach into a neighbour's bounds before its vertices are announced, in radii of the sphere:
+// where spheres are small, points are dense.
+constexpr double announce_depth = 0.6;
+
+double longest_edge(std::span<const Point> corners) {
+  double squared = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double x = corners[i].x - corners[k].x, y = corners[i].y - corners[k].y, z = corners[i].z - corners[k].z;
+      squared = std::max(squared, x * x + y * y + z * z);
+    }
+  }
+  return std::sqrt(squared);
+}
+
+// Whether the sphere reaches well into the bounds. A sphere that only just reaches a neighbour's points has most likely
+// none of them inside.
+bool reaches_well(const Ball& ball, const Bounds& bounds, int dimension) {
+  if (bounds.empty()) return false;
+  const double most = ball.radius * ball.radius;
+  double squared = 0;
+  for (int i = 0; i < dimension; ++i) {
+    const double depth = std::min(announce_depth * ball.radius, (bounds.hi[i] - bounds.lo[i]) / 4);
+    const double gap = std::max({bounds.lo[i] + depth - ball.center[i], ball.center[i] + depth - bounds.hi[i], 0.0});
+    squared += gap * gap;
+    if (squared > most) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void TileTriangulation::announce(std::span<const Point> points, const Box& box) {
+  const auto neighbours = options_.around->neighbours(options_.self);
+  if (neighbours.empty() || kernel_->dimension() < options_.dimension) return;
+  const int d = options_.dimension, corners = d + 1;
+  const auto at = [&](Vertex v) {
+    if (!is_local(v)) return kernel_->point(v);
+    return points[reduced_ ? ranks_[v] : v - 1];
+  };
+  // Slivers at the hull have huge spheres, which will not be empty when the neighbours' points arrive. Announcing their
+  // vertices would double the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
+  Bounds bounds;
+  for (const Point& q : points) bounds.add(q);
+  // Only cells with a vertex near a face of the box are announced. Most slivers have none: the top of a terrain is
+  // covered by slivers.
+  const double near = 4 * even_spacing(bounds, points.size(), d);
+  const auto near_face = [&](Vertex v) {
+    const Point q = at(v);
+    for (int i = 0; i < d; ++i) {
+      if (std::min(q[i] - box.lo[i], box.hi[i] - q[i]) < near) return true;
+    }
+    return false;
+  };
+  const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
+    if (std::none_of(cell, cell + corners, near_face)) return true;
+    if (!handed_out_) return surely_final(cell, points, box);
+    return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
+  });
+  std::array<Point, 4> p;
+  for (std::size_t c = 0; c < cells.size(); c += corners) {
+    const Vertex* v = &cells[c];
+    if (std::find(v, v + corners, infinite_vertex) != v + corners) continue;
+    if (std::none_of(v, v + corners, [&](Vertex w) { return is_local(w); })) continue;
+    for (int i = 0; i < corners; ++i) p[i] = at(v[i]);
+    const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
+    if (!ball.known || ball.radius > longest_edge(std::span(p).first(corners))) continue;
+    for (const TileId n : neighbours) {
+      if (!reaches_well(ball, options_.around->bounds(n), d)) continue;
+      for (int i = 0; i < corners; ++i) send(v[i], n);
+    }
+  }
+}
 
 void TileTriangulation::introduce() {
   if (!std::exchange(seeded_, true)) {
@@ -28,10 +107,10 @@ void TileTriangulation::introduce() {
   for (const Refused& r : refused_) {
     stop_check_.step();
     const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
-    check_read(!again.inserted, "what conflicts with no local star never will");
+    check_read(!again.inserted, "a point that was in conflict with no local star never will be");
     for (const Vertex w : around_) {
-      if (!is_known_by(r.point.tile, w) && !rely_on_told_bit_of_refused(owners_[w], r) &&
-          !rely_on_told_bit(r.point.tile, w))
+      if (!is_known_by(r.point.tile, w) && !known_.rely_on_told_bit_of_refused(r.point, r.from, owners_[w]) &&
+          !known_.rely_on_told_bit(w, owners_[w], r.point.tile))
         send(w, r.point.tile);
     }
   }
@@ -59,8 +138,8 @@ void TileTriangulation::introduce_vertices() {
 void TileTriangulation::introduce(Vertex v, Vertex neighbour) {
   const TileId owner = owners_[v], other = owners_[neighbour];
   if (is_local(neighbour)) return send(neighbour, owner);
-  if (is_known_by(owner, neighbour) || is_known_by(other, v) || rely_on_told_bit(owner, neighbour) ||
-      rely_on_told_bit(other, v))
+  if (is_known_by(owner, neighbour) || is_known_by(other, v) || known_.rely_on_told_bit(neighbour, other, owner) ||
+      known_.rely_on_told_bit(v, owner, other))
     return;
   // A seed is a neighbour of many points. Telling one owner of the seed spares telling the seed's owner of all of them.
   if (seeds_.contains(v)) return send(v, other);
@@ -68,40 +147,7 @@ void TileTriangulation::introduce(Vertex v, Vertex neighbour) {
 }
 
 bool TileTriangulation::is_known_by(TileId tile, Vertex v) const {
-  return owners_[v] == tile || sent_.has(v, tile) || has_as_seed(tile, v);
-}
-
-// Whether some tile has told `tile` of v. From now on the pair counts as sent by this tile, too, so that it is sent
-// again after a restart or a loss.
-bool TileTriangulation::rely_on_told_bit(TileId tile, Vertex v) {
-  if (told_[v] == 0 || (told_[v] & options_.around->bit(owners_[v], tile)) == 0) return false;
-  if (sent_.add(v, tile)) relied_.push_back(std::uint64_t{v} << 32 | tile.value);
-  return true;
-}
-
-// Whether `tile` has been told of a refused point. That point is no vertex, so it cannot be in the sent-set.
-bool TileTriangulation::rely_on_told_bit_of_refused(TileId tile, const Refused& refused) {
-  const SharedPoint& p = refused.point;
-  const bool itself = tile == refused.from;
-  if (!itself && (p.told & options_.around->bit(p.tile, tile)) == 0) return false;
-  for (auto r = refused_relied_.rbegin(); r != refused_relied_.rend() && r->point.id == p.id; ++r) {
-    if (r->tile == tile) return true;  // noted before, for another neighbour
-  }
-  refused_relied_.push_back({{p.at, p.id, p.tile, 0}, tile, itself ? 0u : 1u});
-  return true;
-}
-
-// Notes that `tile` knows v. Returns false if that had been noted before.
-bool TileTriangulation::record_sent(Vertex v, TileId tile) {
-  if (!sent_.add(v, tile)) return false;
-  told_[v] |= options_.around->bit(owners_[v], tile);
-  return true;
-}
-
-// Notes what a message says of a vertex: the sender knows it, and the told bits.
-void TileTriangulation::record_received(Vertex v, TileId from, const SharedPoint& p) {
-  record_sent(v, from);
-  told_[v] |= p.told;
+  return owners_[v] == tile || known_.has(v, tile) || has_as_seed(tile, v);
 }
 
 // Whether `tile` knows v from the start.
@@ -122,8 +168,8 @@ void TileTriangulation::share_with_all() {
 }
 
 void TileTriangulation::send(Vertex v, TileId tile) {
-  if (tile == options_.self || owners_[v] == tile || sent_.has(v, tile) || has_as_seed(tile, v)) return;
-  record_sent(v, tile);
+  if (tile == options_.self || is_known_by(tile, v)) return;
+  known_.record_sent(v, owners_[v], tile);
   updates_[tile].push_back(v);
   ++counts_.sent;
 }
@@ -150,7 +196,7 @@ Status TileTriangulation::receive_published(TileId from, std::span<const SharedP
     if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
     BOOST_OUTCOME_TRY(v, add_foreign(p, true, around));
     added.push_back(v);
-    sent_.add(v, from);
+    known_.record_published(v, from);
   }
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
     if (is_local(v) || !kernel_->alive(v) || kernel_->dimension() < options_.dimension) continue;
@@ -173,6 +219,26 @@ Status TileTriangulation::receive_published(TileId from, std::span<const SharedP
     }
   }
   return success();
+}
+
+void TileTriangulation::replay() {
+  replay_if([](TileId) { return true; });
+}
+
+void TileTriangulation::replay_to(std::span<const TileId> reborn) {
+  replay_if([&](TileId tile) { return std::binary_search(reborn.begin(), reborn.end(), tile); });
+}
+
+void TileTriangulation::replay_if(const std::function<bool(TileId)>& reborn) {
+  const auto tell = [&](Vertex v, TileId tile) {
+    updates_[tile].push_back(v);
+    ++counts_.sent;
+  };
+  const auto tell_refused = [&](const SharedPoint& point, TileId tile) {
+    refused_updates_[tile].push_back(point);
+    ++counts_.sent;
+  };
+  known_.replay(owners_, reborn, tell, tell_refused);
 }
 
 }  // namespace tessera

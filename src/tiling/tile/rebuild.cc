@@ -40,7 +40,7 @@ Result<TileMesh> rebuild(RebuildInput input) {
     collect.points = std::move(input.points);
     collect.ids = std::move(input.ids);
     TileMesh mesh = collect_cells(std::move(collect)).whole();
-    if (mesh.points.size() != all) return corrupt("a foreign vertex is none of its cells'");
+    if (mesh.points.size() != all) return corrupt("a foreign vertex belongs to none of its cells");
     const auto foreign = mesh.ids.begin() + static_cast<std::ptrdiff_t>(input.own);
     if (std::adjacent_find(foreign, mesh.ids.end()) != mesh.ids.end())
       return corrupt("two foreign vertices have one id");

@@ -140,7 +140,7 @@ class Rows {
   }
 
   [[gnu::always_inline]] void copy_neighbors(std::size_t first, std::size_t count, std::int32_t* to) const {
-    const std::int32_t* const place = cells_.place;
+    const std::int32_t* const mesh_index = cells_.mesh_index;
     for (std::size_t at = first; at < first + count; ++at, to += corners) {
       soon(at);
       const std::uint32_t o = cells_.order[at];
@@ -148,7 +148,7 @@ class Rows {
       // The shift removes the facet numbers. Values that are no neighbour stay negative.
       const Signed n = reinterpret_cast<Signed>(load(cells_.rows[o & ~mixed_row].neighbors)) >> 2;
       const Quad t = turned(reinterpret_cast<Quad>(n), cell.turn);
-      for (std::size_t i = 0; i < corners; ++i) to[i] = place[static_cast<std::int32_t>(t[i])];
+      for (std::size_t i = 0; i < corners; ++i) to[i] = mesh_index[static_cast<std::int32_t>(t[i])];
     }
   }
 
@@ -201,7 +201,7 @@ class Sorter {
     Entry* const entries = entries_.data();
     std::int64_t* const keys = keys_.data();
     for (std::size_t i = 0; i < end - begin; ++i) {
-      __builtin_prefetch(sorted_.place + rows.soon(begin + i), 1);
+      __builtin_prefetch(sorted_.mesh_index + rows.soon(begin + i), 1);
       const std::uint32_t o = cells_.order[begin + i];
       std::uint32_t ghost = 0;
       const Turned cell =
@@ -216,13 +216,13 @@ class Sorter {
   [[gnu::always_inline]] void put(std::size_t begin, std::size_t end) {
     std::uint32_t* const order = sorted_.order.data() + begin;
     std::uint8_t* const ghost = sorted_.ghost + begin;
-    std::int32_t* const place = sorted_.place;
+    std::int32_t* const mesh_index = sorted_.mesh_index;
     for (std::size_t i = 0; i < end - begin; ++i) {
       const Entry e = entries_[i];
       const auto rank = static_cast<std::size_t>(ranks_[i]);
       order[rank] = e.o;
       if (sorted_.ghost) ghost[rank] = static_cast<std::uint8_t>(e.ghost);
-      place[e.o & ~mixed_row] = static_cast<std::int32_t>(sorted_.first + begin + rank);
+      mesh_index[e.o & ~mixed_row] = static_cast<std::int32_t>(sorted_.first + begin + rank);
     }
   }
 

@@ -26,18 +26,18 @@ struct SortedCells {
   std::span<const std::uint32_t> index;  // by k: the foreign vertex in the mesh, own or more
   std::uint32_t own;                     // number of the tile's own vertices
   // by row: where it is in `order`; the two entries before the first stand for facets without a neighbour
-  const std::int32_t* place;
+  const std::int32_t* mesh_index;
 };
 
 // What sort_cells() sorts in place, and what it writes.
 struct CellsToSort {
   std::span<std::uint32_t> order;      // SortedCells::order
-  std::uint32_t first;                 // place of the first cell of `order` in the mesh
+  std::uint32_t first;                 // number of the first cell of `order` in the mesh
   std::span<const std::uint32_t> end;  // by own vertex: where the cells with this least vertex end in `order`
   std::span<const TileId> owners;      // by vertex in the mesh
   TileId self;
-  std::int32_t* place;  // SortedCells::place
-  std::uint8_t* ghost;  // 1: a tile lower than `self` owns a vertex; null: not wanted
+  std::int32_t* mesh_index;  // SortedCells::mesh_index
+  std::uint8_t* ghost;       // 1: a tile lower than `self` owns a vertex; null: not wanted
 };
 
 // Throws Stopped soon after `stop` is requested.

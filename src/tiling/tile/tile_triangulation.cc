@@ -1,51 +1,28 @@
 #include "src/tiling/tile/tile_triangulation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/flat_codec.h"
 #include "src/tiling/tile/circumsphere.h"
 #include "src/tiling/tile/collect.h"
-#include "src/tiling/tile/spacing.h"
 
 namespace tessera {
 namespace {
 
-// How far a sphere must reach into a neighbour's bounds before its vertices are announced, in radii of the sphere:
-// where spheres are small, points are dense.
-constexpr double announce_depth = 0.6;
+// The beginning of an image.
+constexpr std::uint64_t magic = 0x3665676d49454c54u;
 
-double longest_edge(std::span<const Point> corners) {
-  double squared = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      const double x = corners[i].x - corners[k].x, y = corners[i].y - corners[k].y, z = corners[i].z - corners[k].z;
-      squared = std::max(squared, x * x + y * y + z * z);
-    }
-  }
-  return std::sqrt(squared);
-}
-
-// Whether the sphere reaches well into the bounds. A sphere that only just reaches a neighbour's points has most likely
-// none of them inside.
-bool reaches_well(const Ball& ball, const Bounds& bounds, int dimension) {
-  if (bounds.empty()) return false;
-  const double most = ball.reach * ball.reach;
-  double squared = 0;
-  for (int i = 0; i < dimension; ++i) {
-    const double depth = std::min(announce_depth * ball.reach, (bounds.hi[i] - bounds.lo[i]) / 4);
-    const double gap = std::max({bounds.lo[i] + depth - ball.center[i], ball.center[i] + depth - bounds.hi[i], 0.0});
-    squared += gap * gap;
-    if (squared > most) return false;
-  }
-  return true;
-}
+struct KnownSeed {
+  std::uint64_t vertex;
+  double reach;
+};
 
 }  // namespace
 
 TileTriangulation::TileTriangulation(const TileOptions& options)
-    : options_(options), kernel_(make_kernel(options.dimension, options.kernel)) {}
+    : options_(options), kernel_(make_kernel(options.dimension, options.kernel)), known_(options.around) {}
 
 void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep) {
   check(points.size() == ids.size(), "every point has an id");
@@ -53,7 +30,7 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   ids_.assign(1, PointId{});
   ids_.insert(ids_.end(), ids.begin(), ids.end());
   owners_.assign(points.size() + 1, options_.self);
-  told_.assign(points.size() + 1, 0);
+  known_.set_vertices(points.size() + 1);
   due_ = static_cast<Vertex>(ids_.size());
   for (const Seed& seed : options_.around->seeds_of(options_.self)) {
     if (seed.point.tile == options_.self) {
@@ -102,6 +79,32 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
   handed_out_ = true;
   if (!quick) forget_vertices(points.size());
   return finals;
+}
+
+std::uint64_t TileTriangulation::discard(std::span<const Point> points, const Box& box, bool quick,
+                                         const Kernel::TakeVertices& told) {
+  if (!kernel_->can_freeze()) {
+    const FinalCells finals = reduce(points, box, quick);
+    std::vector<Vertex> vertices;
+    for (std::size_t c = 0; c < finals.rows.size(); ++c) {
+      const Vertex* v = finals.rows[c].vertices;
+      vertices.insert(vertices.end(), v, v + options_.dimension + 1);
+    }
+    told(vertices);
+    return finals.rows.size();
+  }
+  check(!handed_out_ && updates_.empty(), "a tile is reduced once, before it announces");
+  if (kernel_->dimension() < options_.dimension) return 0;
+  throw_if_stopped(options_.stop);
+  const std::uint64_t gone = kernel_->discard(
+      [&](const Vertex* cell) {
+        stop_check_.step();
+        return surely_final(cell, points, box);
+      },
+      told);
+  handed_out_ = true;
+  if (!quick) forget_vertices(points.size());
+  return gone;
 }
 
 // Loads the cells that are left into a kernel that knows only their vertices.
@@ -173,7 +176,6 @@ std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, st
     ranks_.push_back(local ? v - 1 : 0);
     if (!local) foreign_[ids_[v]] = to[v];
   }
-  sent_.renumber(to);
   due_ = due_ < to.size() ? to[due_] : static_cast<Vertex>(ids.size());
   tsl::robin_map<Vertex, double> seeds;
   for (const auto& [v, reach] : seeds_) {
@@ -182,51 +184,9 @@ std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, st
   seeds_ = std::move(seeds);
   ids_ = std::move(ids);
   owners_ = std::move(owners);
-  told_.assign(ids_.size(), 0);
+  known_.renumber(to, ids_.size());
   handed_out_ = reduced_ = true;
   return to;
-}
-
-void TileTriangulation::announce(std::span<const Point> points, const Box& box) {
-  const auto neighbours = options_.around->neighbours(options_.self);
-  if (neighbours.empty() || kernel_->dimension() < options_.dimension) return;
-  const int d = options_.dimension, corners = d + 1;
-  const auto at = [&](Vertex v) {
-    if (!is_local(v)) return kernel_->point(v);
-    return points[reduced_ ? ranks_[v] : v - 1];
-  };
-  // Slivers at the hull have huge spheres, which will not be empty when the neighbours' points arrive. Announcing their
-  // vertices would double the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
-  Bounds bounds;
-  for (const Point& q : points) bounds.add(q);
-  // Only cells with a vertex near a face of the box are announced. Most slivers have none: the top of a terrain is
-  // covered by slivers.
-  const double near = 4 * even_spacing(bounds, points.size(), d);
-  const auto near_face = [&](Vertex v) {
-    const Point q = at(v);
-    for (int i = 0; i < d; ++i) {
-      if (std::min(q[i] - box.lo[i], box.hi[i] - q[i]) < near) return true;
-    }
-    return false;
-  };
-  const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
-    if (std::none_of(cell, cell + corners, near_face)) return true;
-    if (!handed_out_) return surely_final(cell, points, box);
-    return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
-  });
-  std::array<Point, 4> p;
-  for (std::size_t c = 0; c < cells.size(); c += corners) {
-    const Vertex* v = &cells[c];
-    if (std::find(v, v + corners, infinite_vertex) != v + corners) continue;
-    if (std::none_of(v, v + corners, [&](Vertex w) { return is_local(w); })) continue;
-    for (int i = 0; i < corners; ++i) p[i] = at(v[i]);
-    const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
-    if (!ball.known || ball.reach > longest_edge(std::span(p).first(corners))) continue;
-    for (const TileId n : neighbours) {
-      if (!reaches_well(ball, options_.around->bounds(n), d)) continue;
-      for (int i = 0; i < corners; ++i) send(v[i], n);
-    }
-  }
 }
 
 Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> points) {
@@ -251,8 +211,10 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> poin
 
 // Nothing that a peer sends may stop the process.
 Error TileTriangulation::refuse(TileId from, const SharedPoint& p) const {
-  return error(Errc::internal, "tile " + to_string(options_.self) + ": tile " + to_string(from) + " told it of point " +
-                                   to_string(p.id) + ", which it cannot have");
+  return error(Errc::internal, "tile " + to_string(options_.self) + ": tile " + to_string(from) + " has sent point " +
+                                   to_string(p.id) +
+                                   ", which no sound tile sends: the point belongs to this tile or to no tile, is not "
+                                   "finite, or has the coordinates of another point");
 }
 
 Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
@@ -267,7 +229,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   check(result.vertex == ids_.size(), "vertices are numbered in the order of insertion");
   ids_.push_back(p.id);
   owners_.push_back(p.tile);
-  told_.push_back(p.told);
+  known_.add_vertex(p.told);
   if (reduced_) ranks_.push_back(0);
   foreign_[p.id] = result.vertex;
   ++counts_.inserted;
@@ -316,14 +278,165 @@ CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<
   return tile;
 }
 
+RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
+  std::vector<Point> at(ids_.size());  // by vertex; saved here, as the kernel forgets points with its cells
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (!is_local(v) && kernel_->alive(v)) at[v] = kernel_->point(v);
+  }
+  const int corners = options_.dimension + 1;
+  const CellRows rows = kernel_->take_cells();
+  const bool filled = reduced_ && !kernel_->can_freeze();
+  kernel_.reset();
+  RestOfTile rest;
+  std::vector<std::uint8_t> used(ids_.size());
+  std::vector<Vertex> main;
+  for (std::size_t c = 0; c < rows.size(); ++c) {
+    const Vertex* v = rows[c].vertices;
+    if (v[0] == CellRow::gap || std::find(v, v + corners, infinite_vertex) != v + corners) continue;
+    const auto own = std::count_if(v, v + corners, [&](Vertex w) { return is_local(w); });
+    if (own == 0) continue;
+    if (filled && own == corners && !open_cells_.contains(cell_key(v, options_.dimension))) continue;
+    stop_check_.step();
+    ++rest.cells;
+    bool is_main = true;
+    if (own < corners) {
+      for (int i = 0; i < corners; ++i) {
+        used[v[i]] = 1;
+        is_main &= owners_[v[i]] >= options_.self;
+      }
+    }
+    if (is_main) {
+      ++rest.main_cells;
+      main.insert(main.end(), v, v + corners);
+      if (main.size() >= 16384) {
+        told(main);
+        main.clear();
+      }
+    }
+  }
+  told(main);
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (used[v] && !is_local(v)) rest.foreign.push_back({at[v], ids_[v], owners_[v], 0});
+  }
+  counts_.kept = rest.foreign.size();
+  return rest;
+}
+
 std::size_t TileTriangulation::memory() const {
-  std::size_t bytes = (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 +
-                      told_.capacity() * 4 + ranks_.capacity() * 4;
-  bytes += foreign_.bucket_count() * 24 + sent_.memory() + seeds_.bucket_count() * 24 +
-           refused_.capacity() * sizeof(Refused) + relied_.capacity() * 8 +
-           refused_relied_.capacity() * sizeof(RefusedRelied) + open_cells_.bucket_count() * 24;
+  std::size_t bytes =
+      (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
+  bytes += foreign_.bucket_count() * 24 + known_.memory() + seeds_.bucket_count() * 24 +
+           refused_.capacity() * sizeof(Refused) + open_cells_.bucket_count() * 24;
   for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(Vertex);
   return bytes;
+}
+
+std::vector<SharedPoint> TileTriangulation::foreign_vertices() const {
+  std::vector<SharedPoint> out;
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (!is_local(v) && kernel_->alive(v)) out.push_back({kernel_->point(v), ids_[v], owners_[v], 0});
+  }
+  return out;
+}
+
+// A sleeping tile as bytes: counts first, then flat arrays. The image is read on the machine and by the version that
+// wrote it, so layout and byte order are those of memory. load() checks lengths and ranges all the same.
+BigVector<std::byte> TileTriangulation::save() const {
+  FlatWriter out;
+  KernelImage image = kernel_->save();
+  const std::vector<std::uint64_t> sent = known_.sent();
+  out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent.size() * 8 + seeds_.size() * 16 +
+              open_cells_.size() * 16 + known_.relied().size() * 8 +
+              known_.refused_relied().size() * sizeof(KnownByMessage::RefusedRelied) + 1024);
+  out.value(magic);
+  out.value(options_.self);
+  out.value(static_cast<std::int32_t>(options_.dimension));
+  out.value(options_.kernel);
+  out.value(static_cast<std::uint8_t>(handed_out_));
+  out.value(static_cast<std::uint8_t>(reduced_));
+  out.value(counts_);
+  out.value(static_cast<std::int32_t>(image.dimension));
+  out.last(image.points);
+  out.last(image.local);
+  out.last(image.alive);
+  out.last(image.cells.vertices);
+  out.last(image.cells.neighbors);
+  out.value(image.frozen);
+  out.list(ids_);
+  out.list(owners_);
+  out.list(known_.told_bits());
+  out.list(ranks_);
+  std::vector<KnownSeed> seeds;
+  for (const auto& [vertex, reach] : seeds_) seeds.push_back({vertex, reach});
+  out.list(seeds);
+  out.value(due_);
+  out.value(static_cast<std::uint8_t>(seeded_));
+  out.list(sent);
+  out.list(known_.relied());
+  out.list(known_.refused_relied());
+  out.list(std::vector<CellKey>(open_cells_.begin(), open_cells_.end()));
+  return out.take();
+}
+
+bool TileTriangulation::load(BigVector<std::byte> bytes) {
+  FlatReader in(bytes);
+  std::uint64_t found = 0;
+  TileId self;
+  std::int32_t dimension = 0;
+  std::uint8_t handed_out = 0, reduced = 0, seeded = 0;
+  KernelKind kernel = KernelKind::flat;
+  ExchangeCounts counts;
+  KernelImage image;
+  std::vector<PointId> ids;
+  std::vector<TileId> owners;
+  KnownByMessage::State known;
+  std::vector<std::uint32_t> ranks;
+  std::vector<KnownSeed> seeds;
+  Vertex due = 0;
+  std::vector<CellKey> open_cells;
+  const bool read = in.value(found) && found == magic && in.value(self) && self == options_.self &&
+                    in.value(dimension) && dimension == options_.dimension && in.value(kernel) &&
+                    kernel == options_.kernel && in.value(handed_out) && in.value(reduced) && in.value(counts) &&
+                    in.value(image.dimension) && in.list(image.points) && in.list(image.local) &&
+                    in.list(image.alive) && in.list(image.cells.vertices) && in.list(image.cells.neighbors) &&
+                    in.value(image.frozen) && in.list(ids) && in.list(owners) && in.list(known.told) &&
+                    in.list(ranks) && in.list(seeds) && in.value(due) && in.value(seeded) && in.list(known.sent) &&
+                    in.list(known.relied) && in.list(known.refused_relied) && in.list(open_cells) && in.at_end();
+  if (!read) return false;
+  const std::size_t n = image.points.size() + 1;
+  if (ids.size() != n || owners.size() != n || known.told.size() != n || (reduced ? ranks.size() != n : !ranks.empty()))
+    return false;
+  if (due == 0 || due > n) return false;
+  for (const auto& seed : seeds) {
+    if (seed.vertex >= n) return false;
+  }
+  for (const auto* pairs : {&known.sent, &known.relied}) {
+    if (std::any_of(pairs->begin(), pairs->end(), [&](std::uint64_t pair) { return pair >> 32 >= n; })) return false;
+  }
+  // A tile wakes up when memory is short, so there are never more than two copies of it.
+  BigVector<std::byte>().swap(bytes);
+  if (!kernel_->load(image)) return false;
+  image = {};
+  ids_ = std::move(ids);
+  owners_ = std::move(owners);
+  ranks_ = std::move(ranks);
+  handed_out_ = handed_out != 0;
+  reduced_ = reduced != 0;
+  counts_ = counts;
+  foreign_.clear();
+  for (Vertex v = 1; v < n; ++v) {
+    if (!is_local(v)) foreign_[ids_[v]] = kernel_->alive(v) ? v : 0;
+  }
+  seeds_.clear();
+  for (const auto& seed : seeds) seeds_[static_cast<Vertex>(seed.vertex)] = seed.reach;
+  due_ = due;
+  seeded_ = seeded != 0;
+  refused_.clear();
+  known_.restore(std::move(known));
+  for (const auto& r : known_.refused_relied()) foreign_.insert({r.point.id, 0});  // it stays refused
+  open_cells_ = {open_cells.begin(), open_cells.end()};
+  updates_.clear();
+  return true;
 }
 
 }  // namespace tessera

@@ -28,8 +28,8 @@
 #include "src/geometry/kernel/kernel.h"
 #include "src/tiling/tile/collected_tile.h"
 #include "src/tiling/tile/final_cells.h"
+#include "src/tiling/tile/known_by_message.h"
 #include "src/tiling/tile/known_from_start.h"
-#include "src/tiling/tile/sent_set.h"
 
 namespace tessera {
 
@@ -102,7 +102,7 @@ class TileTriangulation {
   void replay_to(std::span<const TileId> reborn);
   // Forgets the told bits: what an earlier process said holds no more. What this tile itself has sent stays, because it
   // sends that again.
-  void forget_words();
+  void forget_told_bits() { known_.forget_told_bits(owners_); }
   // Returns the foreign vertices. Once all tiles are quiet, the cells of the tile's own points have no other foreign
   // vertices than these.
   std::vector<SharedPoint> foreign_vertices() const;
@@ -151,12 +151,11 @@ class TileTriangulation {
   void share_with_all();
   bool is_known_by(TileId tile, Vertex v) const;
   bool has_as_seed(TileId tile, Vertex v) const;
-  bool record_sent(Vertex v, TileId tile);
-  void record_received(Vertex v, TileId from, const SharedPoint& p);
-  bool rely_on_told_bit(TileId tile, Vertex v);
-  bool rely_on_told_bit_of_refused(TileId tile, const Refused& refused);
+  void record_received(Vertex v, TileId from, const SharedPoint& p) {
+    known_.record_received(v, owners_[v], from, p.told);
+  }
   void replay_if(const std::function<bool(TileId)>& reborn);
-  SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], told_[v]}; }
+  SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], known_.told(v)}; }
   void send(Vertex v, TileId tile);
   Status receive_published(TileId from, std::span<const SharedPoint> points);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
@@ -171,22 +170,11 @@ class TileTriangulation {
   std::vector<TileId> owners_;
   std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: the rank is vertex - 1
   tsl::robin_map<PointId, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 if it was refused
-  SentSet sent_;
-  std::vector<std::uint32_t> told_;       // by vertex: SharedPoint::told
+  KnownByMessage known_;
   tsl::robin_map<Vertex, double> seeds_;  // which vertices are seeds, and their reach
   Vertex due_ = 1;                        // the first vertex that has not been introduced
   std::vector<Refused> refused_;          // not introduced yet
-  // What this tile did not send because others had sent it: pairs that rely_on_told_bit() relied on, and the same of
-  // refused points. All of this life of the tile.
-  std::vector<std::uint64_t> relied_;  // vertex << 32 | tile; these pairs are in the sent-set as well
-  struct RefusedRelied {
-    SharedPoint point;
-    TileId tile;  // has heard of the point
-    // 1: a told bit said so; 0: the tile has sent the point itself, or this tile has sent it
-    std::uint32_t by_word = 0;
-  };
-  std::vector<RefusedRelied> refused_relied_;
-  bool seeded_ = false;  // all seeds are inserted
+  bool seeded_ = false;                   // all seeds are inserted
   bool handed_out_ = false, reduced_ = false;
   // if the kernel was built again: its all-local cells that are not fill
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;

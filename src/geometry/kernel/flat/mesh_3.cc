@@ -7,6 +7,7 @@
 #include "src/geometry/kernel/flat/mesh_impl.h"
 #include "src/geometry/kernel/flat/predicates_3.h"
 #include "src/geometry/kernel/flat/remove_impl.h"
+#include "src/geometry/kernel/flat/walk_impl.h"
 
 namespace tessera::flat3 {
 
@@ -43,6 +44,55 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
     if (up < 0) return exact::in_sphere_perturbed_3(apex, b, a, d, p) > 0;
   }
   throw Unsound("the first four vertices do not span the space");
+}
+
+// Point location is a visibility walk that starts at the last insertion. The walk ends, because the triangulation is
+// Delaunay (De Floriani, Falcidieno, Nagy, Pienovi 1991; Edelsbrunner 1990: seen from a point, Delaunay cells have an
+// order from front to back). Returns false if frozen cells block every side that faces p.
+bool Mesh::walk(const Point& p, Word slot, Located& found) const {
+  ++turn_;
+  if (cells[slot].infinite()) {
+    const Word inside = cells[slot].n[3];
+    if (inside & frozen_bit) return false;
+    slot = inside >> 2;
+  }
+  Step step = walk_surely(p, {slot, 8, false});
+  if (step.arrived) {
+    found = {step.slot, 0};
+    return true;
+  }
+  while (true) {
+    const Cell& c = cells[step.slot];
+    // Vertices are compared first. Where p is a vertex three of the orientations are zero, and zeros take long to
+    // prove.
+    for (const Word v : c.v) {
+      if (points[v] != p) continue;
+      found = {step.slot, v};
+      return true;
+    }
+    Word across = frozen_bit;
+    bool blocked = false;
+    for (Word j = 0; j < 4; ++j) {
+      const Word i = (turn_ + j) & 3;
+      if (i == step.from) continue;
+      const auto& f = Cell::facet_of[i];
+      if (orientation_3(p, points[c.v[f[0]]], points[c.v[f[1]]], points[c.v[f[2]]]) >= 0) continue;
+      across = c.n[i];
+      if (!(across & frozen_bit)) break;
+      blocked = true;
+    }
+    if (across & frozen_bit) {  // the walk cannot go on
+      if (blocked) return false;
+      found = {step.slot, 0};
+      return true;
+    }
+    ++turn_;
+    step = {across >> 2, across & 3, false};
+    if (cells[step.slot].infinite()) {  // p is strictly outside the hull
+      found = {step.slot, 0};
+      return true;
+    }
+  }
 }
 
 // New cells take the slots of the zone first, because these are in the cache. Only the remaining slots of the zone are

@@ -1,4 +1,4 @@
-// Point location where holes of frozen cells may be in the way. walk_2.cc and walk_3.cc include this file.
+// Point location where holes of frozen cells may be in the way. mesh_2.cc and mesh_3.cc include this file.
 #pragma once
 
 #include <algorithm>

@@ -1,23 +1,31 @@
-#include "src/service/http/incoming.h"
+#include "src/service/http/event_sender.h"
 
-#include <poll.h>
 #include <sys/socket.h>
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
-#include <chrono>
+#include <string>
+#include <utility>
 
 namespace tessera::http {
 
 using asio::redirect_error;
 using asio::use_awaitable;
 
-asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
+EventSender::EventSender(std::shared_ptr<Transport> transport, std::shared_ptr<EventQueue> queue,
+                         const SessionLimits& limits, GiveUpAfter give_up_after)
+    : transport_(std::move(transport)),
+      queue_(std::move(queue)),
+      limits_(limits),
+      give_up_after_(std::move(give_up_after)),
+      wake_(transport_->socket().get_executor()) {}
+
+asio::awaitable<ErrorCode> EventSender::run() {
   ErrorCode error;
-  const std::function<void()> progress = [this] { give_up_after(limits_.write); }, no_matter = [] {};
-  queue.on_wake([weak = weak_from_this(), executor = transport_->socket().get_executor()] {
+  const std::function<void()> progress = [this] { give_up_after_(limits_.write); }, no_matter = [] {};
+  queue_->on_wake([weak = weak_from_this(), executor = transport_->socket().get_executor()] {
     asio::post(executor, [weak] {
       if (const auto self = weak.lock()) self->wake_.cancel();
     });
@@ -25,25 +33,31 @@ asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
   watch_peer();
   while (!error) {
     bool over = false;
-    const std::string text = queue.take(over);
+    const std::string text = queue_->take(over);
     if (!text.empty()) {
       progress();
       error = co_await transport_->write(text, {}, progress);
       continue;
     }
-    if (over || peer_gone_ || draining_) break;
+    if (over || peer_gone_ || ending_) break;
     // No awaiting between take() and here, so no wake-up is lost.
-    give_up_after(limits_.comment + limits_.write);
+    give_up_after_(limits_.comment + limits_.write);
     wake_.expires_after(limits_.comment);
     ErrorCode woken;
     co_await wake_.async_wait(redirect_error(use_awaitable, woken));
     if (!woken) error = co_await transport_->write(": still here\n\n", {}, no_matter);
   }
+  queue_->on_wake({});
   co_return error;
 }
 
-// Notices at once when a watcher goes, not only with the next comment.
-void Session::watch_peer() {
+void EventSender::end() {
+  ending_ = true;
+  queue_->end();
+}
+
+// Notices at once when the watcher goes, not only with the next comment.
+void EventSender::watch_peer() {
   transport_->socket().async_wait(tcp::socket::wait_read, [weak = weak_from_this()](ErrorCode error) {
     const auto self = weak.lock();
     if (error || !self) return;
@@ -55,26 +69,6 @@ void Session::watch_peer() {
     if (seen > 0 && !self->transport_->is_tls()) return;
     self->peer_gone_ = true;
     self->wake_.cancel();
-  });
-}
-
-// Checks from time to time whether the caller is still there. Bytes that have come belong to the next request, and are
-// not read.
-void Session::watch_caller(Runs runs) {
-  constexpr std::chrono::milliseconds between{200};
-  look_.expires_after(between);
-  look_.async_wait([weak = weak_from_this(), runs](ErrorCode error) {
-    const auto self = weak.lock();
-    if (error || !self || !self->asked_) return;
-    Asked& asked = *self->asked_;
-    pollfd peer{self->transport_->socket().native_handle(), POLLRDHUP, 0};
-    const bool late =
-        runs == Runs::changes && asked.begun && std::chrono::steady_clock::now() - asked.since > self->limits_.work;
-    if (late || ::poll(&peer, 1, 0) > 0) {
-      asked.stop.request_stop();
-    } else {
-      self->watch_caller(runs);
-    }
   });
 }
 

@@ -1,4 +1,4 @@
-// The state of a StoredTriangulation.
+// A result that is open for queries: what all queries need of it.
 #pragma once
 
 #include <filesystem>
@@ -17,8 +17,9 @@
 
 namespace tessera::query {
 
-struct StoredTriangulation::Impl {
-  Impl(TileSource opened, Homes where, std::uint64_t bytes_max)
+// Thread-safe. The queries are functions beside it: star.h, cells.h, interpolate.h.
+struct OpenedResult {
+  OpenedResult(TileSource opened, Homes where, std::uint64_t bytes_max)
       : source(std::move(opened)),
         out(source.folder()),
         manifest(source.manifest()),
@@ -48,7 +49,7 @@ struct StoredTriangulation::Impl {
 };
 
 // REQUIRES: the cell is main in the tile.
-Cell cell_at(const Place& place);
+Cell cell_at(const CellRef& place);
 Vertex vertex_at(const QueryTile& tile, std::int32_t vertex);
 
 }  // namespace tessera::query

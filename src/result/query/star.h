@@ -1,0 +1,13 @@
+// The star of a vertex, with its Voronoi cell.
+#pragma once
+
+#include <optional>
+
+#include "src/result/query/stored_triangulation.h"
+
+namespace tessera::query {
+
+// As StoredTriangulation::star().
+Result<Star> star_of(const OpenedResult& result, PointId id, std::optional<TileId> owner, const AskOptions& options);
+
+}  // namespace tessera::query
