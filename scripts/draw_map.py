@@ -30,7 +30,7 @@ def read_triangles(path, box):
         corners.append([ring.GetPoint(i) for i in range(3)])
         tiles.append(feature.GetField("tile"))
     if not corners:
-        raise SystemExit(f"{path}: no triangles there")
+        raise SystemExit(f"{path}: has no triangles")
     return np.array(corners), np.array(tiles)
 
 

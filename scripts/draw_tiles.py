@@ -25,7 +25,7 @@ def read_result(folder):
     points = vtk_to_numpy(grid.GetPoints().GetData())
     cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
     if grid.GetCellType(0) != vtk.VTK_TETRA:
-        raise SystemExit(f"{folder}: is no 3D result")
+        raise SystemExit(f"{folder}: is not a 3D result")
     tiles = vtk_to_numpy(grid.GetCellData().GetArray("tile"))
     main = vtk_to_numpy(grid.GetCellData().GetArray("vtkGhostType")) == 0
     return points, cells.reshape(-1, 4)[main], tiles[main]

@@ -57,7 +57,7 @@ def download(http: Transport, file: File, to: pathlib.Path, patience_s: float) -
         try:
             _receive(http, file, partial, patience_s)
             if wrong := _difference(file, partial):
-                raise CorruptError(f"{file.path}: {wrong}: it is damaged there, or on the way")
+                raise CorruptError(f"{file.path}: {wrong}: the file was damaged on the server, or on the way")
             partial.replace(to)
             return
         except CorruptError:
@@ -88,7 +88,7 @@ def _receive(http: Transport, file: File, partial: pathlib.Path, patience_s: flo
             patience.wait(lost)
         except Error as refused:
             if refused._http_status == 416:
-                raise CorruptError(f"{file.path}: is shorter on the server than what is here of it") from None
+                raise CorruptError(f"{file.path}: is shorter on the server than the part of it that is here") from None
             raise
 
 

@@ -68,7 +68,7 @@ Result<QuestionAnswer> Answering::dem() const {
   BOOST_OUTCOME_TRYV(read_surface(options));
   const std::string type = word("type", "float32");
   if (type != "float32" && type != "float64")
-    return error(Errc::usage, "type: '" + type + "' is no type of pixels; there are float32 and float64");
+    return error(Errc::usage, "type: '" + type + "' is not a type of pixels; the types are float32 and float64");
   options.doubles = type == "float64";
   const Bounds& bounds = reader_.stored.manifest().bounds;
   BOOST_OUTCOME_TRY(grid, terrain::grid_over(options.res, options.box.value_or(bounds), bounds));

@@ -35,7 +35,7 @@ class Jobs(ServerTest):
 
     def test_cancel_stops_what_runs_and_forgets_nothing(self):
         job = self.server.add_job("j1", status="running")
-        self.assertEqual(self.ok("cancel", "j1"), "job j1 is cancelled; 'tessera resume j1' goes on with it\n")
+        self.assertEqual(self.ok("cancel", "j1"), "job j1 is cancelled; 'tessera resume j1' continues it\n")
         self.assertEqual(job.fields["status"], "dismissed")
         self.refused(USAGE, "cancel", "j1", says="has ended already: dismissed")
         self.assertEqual(len(self.server.asked("DELETE", "")), 1)

@@ -40,7 +40,7 @@ class Failures(ServerTest):
 
     def test_a_wrong_token_and_none(self):
         self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": "wrong"}, says=["does not know this token", "--token-file"])
-        self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": ""}, says=["wants a token", "TESSERA_TOKEN"])
+        self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": ""}, says=["needs a token", "TESSERA_TOKEN"])
         self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": "a\nb: c"}, says="token")
         self.assertTrue(all("\n" not in request[2].get("Authorization", "") for request in self.server.requests))
 
@@ -73,7 +73,7 @@ class Failures(ServerTest):
             thread = threading.Thread(target=greet)
             thread.start()
             url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-            self.refused(USAGE, "jobs", "--server", url, says="no HTTP is spoken there")
+            self.refused(USAGE, "jobs", "--server", url, says="the server does not speak HTTP")
             thread.join()
 
     def test_a_field_that_no_message_has_is_passed_over(self):
@@ -108,7 +108,7 @@ class Tls(ServerTest):
         self.assertEqual((len(server.requests), len(other.requests)), (count, 0), "no token was sent there")
 
     def test_tls_and_none_are_told_apart(self):
-        self.refused(USAGE, "jobs", "--server", self.server.url.replace("http", "https"), says="no TLS is spoken there")
+        self.refused(USAGE, "jobs", "--server", self.server.url.replace("http", "https"), says="the server does not speak TLS")
 
 
 if __name__ == "__main__":

@@ -157,7 +157,7 @@ class Rolling(DaemonTest):
         self.assertEqual(self.result(job), alone, self.log(job))
         self.wait_for_members(set("abcd"))
         words = {node["name"]: node.get("lastWords", "") for node in self.coordinator.request("GET", "/v1/nodes")[2]["nodes"]}
-        self.assertIn("was told to end, and did not get rid of its tiles within 2 s", words["c"])
+        self.assertIn("was told to end, and did not hand over its tiles within 2 s", words["c"])
         self.assertIn("was ended by signal SIGTERM", words["d"])
         # With nothing that others would go on with it is not waited.
         self.coordinator.end(signal.SIGKILL)

@@ -224,7 +224,7 @@ class Failures(ClientTest):
     def test_tokens(self):
         with self.assertRaisesRegex(tessera.UsageError, "does not know this token"):
             tessera.connect(self.server.url, "wrong").jobs()
-        with self.assertRaisesRegex(tessera.UsageError, "wants a token"):
+        with self.assertRaisesRegex(tessera.UsageError, "needs a token"):
             tessera.connect(self.server.url, "").jobs()
         with self.assertRaisesRegex(tessera.UsageError, "token"):
             tessera.connect(self.server.url, "a\r\nb")
@@ -250,7 +250,7 @@ class Failures(ClientTest):
             self.client.jobs()
 
     def test_tls_of_nobody_is_told(self):
-        with self.assertRaisesRegex(tessera.UsageError, "no TLS is spoken there"):
+        with self.assertRaisesRegex(tessera.UsageError, "the server does not speak TLS"):
             tessera.connect(self.server.url.replace("http", "https")).jobs()
 
 
