@@ -60,8 +60,8 @@ class Failures(ServerTest):
         for foreign in ((200, "text/html", b"<html>"), (404, "text/html", b"no"), (200, "application/json", b"[1, 2]"),
                         (200, "application/json", b"{"), (500, "application/json", b"\xff")):
             self.server.foreign = foreign
-            self.refused(USAGE, "jobs", says=[self.server.url, "no Tessera server"])
-            self.refused(USAGE, "watch", "j1", says="no Tessera server")
+            self.refused(USAGE, "jobs", says=[self.server.url, "not a Tessera server"])
+            self.refused(USAGE, "watch", "j1", says="not a Tessera server")
 
     def test_what_answers_speaks_no_http(self):
         with socket.create_server(("127.0.0.1", 0)) as listener:

@@ -240,7 +240,7 @@ class Failures(ClientTest):
         for foreign in ((200, "text/html", b"<html>"), (404, "text/plain", b""), (200, "application/json", b"[1]")):
             self.server.foreign = foreign
             for call in (self.client.jobs, self.client.job("j1").wait):
-                with self.assertRaisesRegex(tessera.UsageError, "no Tessera server"):
+                with self.assertRaisesRegex(tessera.UsageError, "not a Tessera server"):
                     call()
 
     def test_links_do_not_leave_the_server(self):
