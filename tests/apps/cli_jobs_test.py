@@ -25,7 +25,7 @@ class Jobs(ServerTest):
         self.server.add_job("a b/c", status="failed", problem={"detail": "no space", "cause": IO}, resumable=True, starts=2,
                             started="2026-01-02T03:04:06Z")
         text = self.ok("job", "a b/c")
-        for part in ("failed, 0 %, can be resumed", "problem       no space", "for the 2. time"):
+        for part in ("failed, 0 %, can be resumed", "problem       no space", "start number 2"):
             self.assertIn(part, text)
         (line,) = self.json_lines(self.ok("job", "a b/c", "--json"))
         self.assertEqual((line["problem"], line["starts"]), ({"detail": "no space", "cause": IO}, 2))

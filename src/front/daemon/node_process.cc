@@ -177,7 +177,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   if (again) begin_anew();
   supervisor::stopping();
   engine.reset();
-  spdlog::info("ended");
+  spdlog::info("the process has ended");
   return success();
 }
 

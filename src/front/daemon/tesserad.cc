@@ -205,7 +205,7 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   if (!server->drain(drain_time)) spdlog::warn("some requests did not end in time, and were cut off");
   server.reset();
   service.reset();
-  spdlog::info("ended");
+  spdlog::info("the process has ended");
   return success();
 }
 
