@@ -50,7 +50,7 @@ packages=()
 for part in "$@"; do
   case "$part" in
     build | test | demo | clang) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
-    *) echo "install-deps: '$part' is none of build, test, demo and clang" >&2; exit 2 ;;
+    *) echo "install-deps: '$part' is not a part; the parts are build, test, demo and clang" >&2; exit 2 ;;
   esac
 done
 

@@ -7,6 +7,7 @@
 #   sbatch --nodes 4 deploy/slurm-cluster.sh SHARED_FOLDER INPUTS CERTS       CERTS: a certificate for each host (tessera certs)
 #SBATCH --ntasks-per-node=1 --exclusive --mem=0 --no-kill --job-name=tessera
 set -euo pipefail
+[[ $# -eq 3 ]] || { echo "usage: sbatch --nodes N slurm-cluster.sh SHARED_FOLDER INPUTS CERTS" >&2; exit 2; }
 shared=$(realpath "$1") inputs=$(realpath "$2") certs=$(realpath "$3")
 hosts=$(scontrol show hostnames "$SLURM_JOB_NODELIST") first=${hosts%%$'\n'*}
 export TESSERAD_DATA=$shared TESSERAD_CERTS=$certs

@@ -20,7 +20,7 @@ clean() {
 } >/dev/null 2>&1
 trap clean EXIT
 [[ -z $(podman volume ls -q --filter name=tesserad) ]] ||
-  { echo "try-container: there are volumes of tesserad already, which this would remove" >&2; exit 1; }
+  { echo "try-container: podman has volumes of tesserad already, which this script would remove; remove or rename them first" >&2; exit 1; }
 
 # Waits until the container's daemon is ready, and fails with its log when it ends instead.
 wait_ready() {

@@ -4,6 +4,7 @@
 #   scripts/compare_runs.sh BEFORE AFTER
 # Prints what differs, and fails then.
 set -u
+[[ $# -eq 2 ]] || { echo "usage: scripts/compare_runs.sh BEFORE AFTER (two programs tessera)" >&2; exit 2; }
 before=$1
 after=$2
 data=$(cd "$(dirname "$0")/../tests/data/clouds" && pwd)
@@ -27,7 +28,7 @@ compare() {
   done
   if ! diff -rq -x manifest.json -x report.html "$work/before" "$work/after" ||
     ! diff <(sums "$work/before") <(sums "$work/after"); then
-    echo "differ: $name"
+    echo "the files differ: $name"
     wrong=$((wrong + 1))
   fi
   rm -rf "$work/before" "$work/after"
@@ -54,5 +55,5 @@ compare "$data/cities_begin.csv" --dim 2 --tiles 3
 for keep in lowest highest last; do
   compare "$data/isprs_CSite2_begin.ply" --dim 2 --tiles 6 --keep $keep
 done
-echo "$runs runs, $wrong differ"
+echo "$runs runs; the files of $wrong differ, or were not made"
 [ $wrong = 0 ]

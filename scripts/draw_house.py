@@ -46,6 +46,8 @@ def uses(rooms, targets):
 
 
 def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
     build, out = map(pathlib.Path, sys.argv[1:3])
     words = dict(rooms_with_words())
     rooms = list(words)

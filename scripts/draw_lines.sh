@@ -2,6 +2,7 @@
 # Draws contour lines on a hillshade, index lines bold, one pixel of the picture for each of the hillshade's:
 #   draw_lines.sh HILLSHADE.tif LINES.gpkg PICTURE.png      Needs Debian's gdal-bin and python3-gdal.
 set -euo pipefail
+[[ $# -eq 3 ]] || { echo "usage: scripts/draw_lines.sh HILLSHADE.tif LINES.gpkg PICTURE.png" >&2; exit 2; }
 folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 

@@ -30,7 +30,7 @@ def read_triangles(path, box):
         corners.append([ring.GetPoint(i) for i in range(3)])
         tiles.append(feature.GetField("tile"))
     if not corners:
-        raise SystemExit(f"{path}: no triangles there")
+        raise SystemExit(f"{path}: has no triangles")
     return np.array(corners), np.array(tiles)
 
 
@@ -105,12 +105,14 @@ def draw(path, picture, box, by, edges, size):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tin", type=pathlib.Path)
-    parser.add_argument("picture", type=pathlib.Path)
-    parser.add_argument("--box", type=lambda text: [float(part) for part in text.split(",")])
-    parser.add_argument("--by", choices=["height", "tile"], default="height")
-    parser.add_argument("--edges", action="store_true")
-    parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))), default=(540, 540))
+    parser.add_argument("tin", type=pathlib.Path, help="the triangles: a .gpkg file of tessera export")
+    parser.add_argument("picture", type=pathlib.Path, help="the PNG file to write")
+    parser.add_argument("--box", type=lambda text: [float(part) for part in text.split(",")], metavar="xmin,ymin,xmax,ymax",
+                        help="the part to draw; default: all")
+    parser.add_argument("--by", choices=["height", "tile"], default="height", help="what the colours show; default: height")
+    parser.add_argument("--edges", action="store_true", help="also draw the edges of triangles")
+    parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))), default=(540, 540),
+                        metavar="WIDTHxHEIGHT", help="in pixels; default: 540x540")
     options = parser.parse_args()
     draw(options.tin, options.picture, options.box, options.by, options.edges, options.size)
 

@@ -37,6 +37,8 @@ def arrow(parts, path, words="", at=(0, 0)):
 
 
 def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
     height = 20 + len(STEPS) * (HEIGHT + GAP)
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" font-family="sans-serif">',
              '<defs><marker id="a" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto">'

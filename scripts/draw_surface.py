@@ -48,11 +48,12 @@ def colours(n):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("picture", type=pathlib.Path)
-    parser.add_argument("--size", default="1400x840")
-    parser.add_argument("--from", dest="view", default="25,35")
-    parser.add_argument("--zoom", type=float, default=1.5)
+    parser.add_argument("folder", type=pathlib.Path, help="a folder of .vtu files, from tessera surface --format vtu")
+    parser.add_argument("picture", type=pathlib.Path, help="the PNG file to write")
+    parser.add_argument("--size", default="1400x840", help="width and height in pixels; default: 1400x840")
+    parser.add_argument("--from", dest="view", default="25,35", metavar="AZIMUTH,ELEVATION",
+                        help="where the camera stands, in degrees; default: 25,35")
+    parser.add_argument("--zoom", type=float, default=1.5, help="a larger number shows the surface larger; default: 1.5")
     arguments = parser.parse_args()
     grids = [read_tile(path) for path in sorted(arguments.folder.glob("*.vtu"))]
     if not grids:

@@ -25,7 +25,7 @@ def read_result(folder):
     points = vtk_to_numpy(grid.GetPoints().GetData())
     cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
     if grid.GetCellType(0) != vtk.VTK_TETRA:
-        raise SystemExit(f"{folder}: is no 3D result")
+        raise SystemExit(f"{folder}: is not a 3D result")
     tiles = vtk_to_numpy(grid.GetCellData().GetArray("tile"))
     main = vtk_to_numpy(grid.GetCellData().GetArray("vtkGhostType")) == 0
     return points, cells.reshape(-1, 4)[main], tiles[main]
@@ -123,11 +123,12 @@ def draw(folder, picture, size, apart, longest):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("picture", type=pathlib.Path)
-    parser.add_argument("--size", default="1400x840")
-    parser.add_argument("--apart", type=float, default=0.12)
-    parser.add_argument("--longest", type=float)
+    parser.add_argument("folder", type=pathlib.Path, help="a 3D result folder")
+    parser.add_argument("picture", type=pathlib.Path, help="the PNG file to write")
+    parser.add_argument("--size", default="1400x840", help="width and height in pixels; default: 1400x840")
+    parser.add_argument("--apart", type=float, default=0.12, help="how far tiles are moved apart; default: 0.12; 0: not at all")
+    parser.add_argument("--longest", type=float,
+                        help="leave out cells with a longer edge; default: 2 %% of the cloud's diagonal; 0 keeps all")
     options = parser.parse_args()
     width, height = map(int, options.size.split("x"))
     draw(options.folder, options.picture, (width, height), options.apart, options.longest)

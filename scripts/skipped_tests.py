@@ -17,5 +17,7 @@ def told(log):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("usage: skipped_tests.py build/release/Testing/Temporary/LastTest.log")
     with open(sys.argv[1], encoding="utf-8", errors="replace") as file:
         print(told(file.read()))

@@ -60,7 +60,7 @@ Result<std::vector<LocalPoint>> cloud_of(const Options& o) {
       const double t = real();
       p = {t, t * t, o.dimension == 3 ? t * t * t : 0};
     } else {
-      return error(Errc::usage, "'" + o.kind + "' is no kind of cloud");
+      return error(Errc::usage, "'" + o.kind + "' is not a kind of cloud");
     }
     cloud.push_back({p, i});
   }

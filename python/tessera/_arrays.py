@@ -29,7 +29,7 @@ def exact_float64(values: typing.Any, name: str) -> np.ndarray:
             if any(isinstance(number, numbers.Integral) and abs(number) > 2**53 for number in each.flat):
                 given = each  # NumPy turns a list of integers and floats into floats, and rounds
     except ValueError as error:  # rows of different lengths
-        raise UsageError(f"{name} is no array of numbers: {error}") from None
+        raise UsageError(f"{name} is not an array of numbers: {error}") from None
     if given.dtype.kind == "O":
         return exact_numbers(given, name)
     if given.dtype.kind not in "buif":
@@ -64,7 +64,7 @@ def refuse_rounded(rounded: np.ndarray, given: np.ndarray, name: str) -> None:
     """Raises UsageError if an entry of `rounded` is True. The message has the first such number."""
     if rounded.any():
         at = tuple(int(i) for i in np.argwhere(rounded)[0])
-        raise UsageError(f"{name}{list(at)} is {given[at]!r}, which no float64 equals ({rounded.sum()} such numbers): "
+        raise UsageError(f"{name}{list(at)} is {given[at]!r}, which no float64 equals exactly ({rounded.sum()} such numbers): "
                          "tessera is exact and does not round; subtract an offset, or convert them yourself")
 
 

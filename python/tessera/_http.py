@@ -27,7 +27,7 @@ class Transport:
     def __init__(self, url: str, token: str | None, ca: str | None):
         parts = urllib.parse.urlsplit(url)
         if parts.scheme not in ("http", "https") or not parts.hostname or parts.username is not None:
-            raise UsageError("url is no address like http://127.0.0.1:7070")
+            raise UsageError("url is not an address like http://127.0.0.1:7070")
         try:
             self._port = parts.port
         except ValueError:
@@ -37,7 +37,7 @@ class Transport:
         given = urllib.parse.parse_qs(parts.fragment or parts.query).get("token", [None])[0]
         self._token = token if token is not None else given
         if self._token is not None and not (self._token.isascii() and self._token.isprintable() and " " not in self._token):
-            raise UsageError("token has a character that no token can have")
+            raise UsageError("token has spaces or other characters that no token has")
         self.heard = False  # whether the daemon has ever answered
         self._tls = None
         if parts.scheme == "https":
@@ -83,15 +83,15 @@ class Transport:
             yield
         except ssl.SSLCertVerificationError as error:
             raise UsageError(f"{self.url}: the certificate of the server is not trusted: {error.verify_message}; "
-                             "ca names a file with its authority's") from None
+                             "give a file with the certificate of its authority as ca") from None
         except ssl.SSLError as error:
-            raise UsageError(f"{self.url}: the server there does not use TLS: {error.reason or error}") from None
+            raise UsageError(f"{self.url}: the server does not speak TLS: {error.reason or error}") from None
         except TimeoutError:
             raise ConnectionLost(f"{self.url}: the server does not answer in time") from None
         except OSError as error:
             raise ConnectionLost(f"{self.url}: the server cannot be reached: {error.strerror or error}") from None
         except http.client.BadStatusLine:
-            raise UsageError(f"{self.url}: the server there does not use HTTP") from None
+            raise UsageError(f"{self.url}: the server does not speak HTTP") from None
         except http.client.HTTPException as error:
             raise ConnectionLost(f"{self.url}: the server has ended the connection: {error!r}") from None
 
@@ -109,7 +109,7 @@ class Transport:
             return answer.readline(1 << 20)
 
     def no_tessera(self) -> Error:
-        return UsageError(f"{self.url}: the server there is no Tessera server")
+        return UsageError(f"{self.url}: the server that answers is not a Tessera server")
 
     def _refusal(self, answer: http.client.HTTPResponse, method: str) -> Error:
         if "json" not in answer.headers.get("Content-Type", ""):
@@ -122,7 +122,7 @@ class Transport:
     def _problem(self, answer: http.client.HTTPResponse, problem: dict[str, typing.Any]) -> Error:
         if answer.status == 401:
             return UsageError(f"{self.url}: " + ("the server does not know this token" if self._token else
-                                                 "the server wants a token"))
+                                                 "the server needs a token"))
         said = problem.get("detail") or problem.get("title") or f"{self.url}: status {answer.status}"
         default = IoError if answer.status == 429 or answer.status >= 500 else UsageError
         return BY_CAUSE.get(problem.get("cause", 0), default)(said)
@@ -163,4 +163,4 @@ class Transport:
             there = urllib.parse.urlsplit(urllib.parse.urljoin(f"{self.url[:len(self.url) - len(self._base)]}{here}", following[0]))
             here = there.path + (f"?{there.query}" if there.query else "")
             if there.netloc != urllib.parse.urlsplit(self.url).netloc or not here.startswith(f"{self._base}/v1/"):
-                raise IoError(f"{self.url}: the server's answer has a link to another server")
+                raise IoError(f"{self.url}: the answer of the server links to another server")

@@ -42,7 +42,7 @@ class LinearNDInterpolator:
         self._offset = self._scale = None
         if isinstance(points, Delaunay):
             if rescale:
-                raise UsageError("rescale=True: a Delaunay is of the points as they are")
+                raise UsageError("rescale=True: a finished Delaunay cannot be rescaled; give the points instead")
             self.tri = points
         else:
             given = point_array(points)
@@ -90,7 +90,7 @@ class LinearNDInterpolator:
         one = xi[0] if len(xi) == 1 else xi
         if isinstance(one, tuple):
             if len(one) != ndim:
-                raise UsageError(f"there are {len(one)} arrays of coordinates: it must be {ndim}")
+                raise UsageError(f"there are {len(one)} arrays of coordinates: there must be {ndim}")
             queries = np.stack(np.broadcast_arrays(*(exact_float64(x, "xi") for x in one)), axis=-1)
         else:
             queries = exact_float64(one, "xi")

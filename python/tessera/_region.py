@@ -38,7 +38,7 @@ def region(source: Path | typing.Sequence[Path], bbox: npt.ArrayLike, dim: int |
     """
     files = file_names(source, options.get("input_list"))
     if files is None:
-        raise UsageError("region() is of files: it takes a path, a pattern, or a list of them")
+        raise UsageError("region() is for files: it takes a path, a pattern, or a list of them")
     request = _tessera.RegionRequest()
     request.scan(scan)
     if max_points is not None:

@@ -98,7 +98,7 @@ class Surfaces:
         released; Ctrl-C leaves nothing half-written.
         """
         if not hillshade and not (azimuth is None and altitude is None):
-            raise UsageError("azimuth and altitude are of a hillshade: give hillshade=True")
+            raise UsageError("azimuth and altitude are for a hillshade: give hillshade=True")
         light = (315.0 if azimuth is None else float(azimuth), 45.0 if altitude is None else float(altitude)) if hillshade else None
         request = _tessera.RasterRequest(float(res), plane_box(bbox), number_or_none(max_edge), value, bool(doubles), light)
         if path is None:

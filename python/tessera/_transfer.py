@@ -57,7 +57,7 @@ def download(http: Transport, file: File, to: pathlib.Path, patience_s: float) -
         try:
             _receive(http, file, partial, patience_s)
             if wrong := _difference(file, partial):
-                raise CorruptError(f"{file.path}: {wrong}: it is damaged there, or on the way")
+                raise CorruptError(f"{file.path}: {wrong}: the file was damaged on the server, or on the way")
             partial.replace(to)
             return
         except CorruptError:

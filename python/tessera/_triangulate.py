@@ -132,18 +132,18 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     files = file_names(source, input_list)
     if files is not None:
         if values is not None:
-            raise UsageError('attributes of files are names, as ["intensity"]: columns are of arrays')
+            raise UsageError('attributes of files must be names, for example ["intensity"]; columns of values are for arrays')
         return Triangulation(_tessera.triangulate_files(files, options, report, warn))
     points = point_array(source)
     if dim == 3 and points.shape[1] == 2:
         raise UsageError("dim is 3, but points have 2 columns: x and y alone are triangulated in 2D")
     options.dimension(dim or points.shape[1])
     if classes:
-        raise UsageError("classes are of files: choose rows of your array")
+        raise UsageError("classes are for files: choose rows of your array instead")
     if columns:
-        raise UsageError("columns are of files: choose and order those of your array")
+        raise UsageError("columns are for files: choose and order the columns of your array instead")
     if values is None and attributes:
-        raise UsageError('attributes of an array are columns, as {"mass": values}: names are of files')
+        raise UsageError('attributes of an array must be columns of values, for example {"mass": values}; names are for files')
     if not values and dim in (None, points.shape[1]):
         return Triangulation(_tessera.triangulate_points(points, options, report, warn))
     rows = point_records(points, values or {})
@@ -166,7 +166,7 @@ def info(source: Path | typing.Sequence[Path] = (), dim: int | None = None, **op
     """
     files = file_names(source, options.get("input_list"))
     if files is None:
-        raise UsageError("info() is of files: it takes a path, a pattern, or a list of them")
+        raise UsageError("info() is for files: it takes a path, a pattern, or a list of them")
     return json.loads(_tessera.describe(files, job_options(dim, **options)))
 
 

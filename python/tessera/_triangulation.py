@@ -98,7 +98,7 @@ class Tiles(collections.abc.Sequence):
             return Tiles(self._of, self._indices[index])
         at, size = operator.index(index), len(self)
         if not -size <= at < size:
-            raise IndexError(f"no tile {at}: there are {size}")
+            raise IndexError(f"there is no tile {at}: there are {size} tiles")
         return Tile(self._of._triangulation.tile(self._indices[at]))
 
     def __repr__(self) -> str:

@@ -90,7 +90,7 @@ class Client:
             with self._http.open("DELETE", f"{files}/exports/{quoted(output)}"):
                 pass
         except Error as stays:
-            warnings.warn(f"the export stays at the daemon, too: {stays}", stacklevel=2)
+            warnings.warn(f"the daemon could not remove its copy of the export: {stays}", stacklevel=2)
         if found.get("note"):
             warnings.warn(found["note"], stacklevel=2)
 
@@ -198,7 +198,7 @@ class Client:
             wanted = [(_tile_file(tile), tile["xxh3"], int(tile["bytes"]), pieces) for tile in manifest["tiles"]]
             wanted += [(file, sums[file], None, pieces and file == "duplicates.bin") for file in sums if file == os.path.basename(file)]
         except (ValueError, KeyError, TypeError):
-            raise CorruptError(f"{self._http.url}: the manifest of {name} is damaged, or is none") from None
+            raise CorruptError(f"{self._http.url}: the manifest of {name} is damaged, or is not a manifest") from None
         if _holds(out, text):
             return open_folder(out)
         with _disk(out):

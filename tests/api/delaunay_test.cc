@@ -191,7 +191,7 @@ TEST(Delaunay, WhatCannotBeTriangulatedIsRefusedWithASentence) {
     EXPECT_EQ(failure.what(), sentence);
   };
   expect({0, 0, 0}, 4, Cause::usage, "dimension: must be 2 or 3");
-  expect({0, 0, 0, 1}, 3, Cause::usage, "the array: its length, 4, is no multiple of the dimension, 3");
+  expect({0, 0, 0, 1}, 3, Cause::usage, "the array: its length, 4, is not a multiple of the dimension, 3");
   expect({}, 2, Cause::bad_input, "the array: there are no points");
   expect({0, 0, 1, 1}, 2, Cause::bad_input, "the array: there are 2 points; a 2D triangulation needs at least 3");
   expect({1, 2, 1, 2, 1, 2, 1, 2}, 2, Cause::bad_input, "the array: all 4 points are identical");

@@ -161,10 +161,11 @@ TEST_F(OptionsOfTheCommand, ThatMakeNoSenseAreUsage) {
       said(TriangulationOptions().crs("nonsense")).find("crs: 'nonsense' is no file: the coordinate system is neither"),
       0u);
   EXPECT_EQ(said(TriangulationOptions().resume(true)),
-            "resume: whether an array is the same cannot be known; save it in a file");
-  EXPECT_EQ(said(TriangulationOptions().input_list("list")), "input_list: there is an array already");
+            "resume: an array may have changed since the first run; save it in a file");
+  EXPECT_EQ(said(TriangulationOptions().input_list("list")),
+            "input_list: the points are an array, so there are no input files");
   const auto no_folder = failure_of([] { triangulate({"cloud.las"}, TriangulationOptions().resume(true)); });
-  EXPECT_STREQ(no_folder.what(), "resume: a run is left in, and found in, a folder of yours");
+  EXPECT_STREQ(no_folder.what(), "resume: an unfinished run stays in the result folder, so name one");
 }
 
 TEST_F(OptionsOfTheCommand, VerifyProvesAResultOrTellsWhatIsWrong) {

@@ -38,9 +38,9 @@ class TriangulateErrors : public ::testing::Test {
 
 TEST_F(TriangulateErrors, OfAnArrayNameItAndTheRow) {
   auto points = cloud("uniform", 3, 100);
-  expect_array(points, 0, Cause::usage, "dimension: of an array it must be 2 or 3");
+  expect_array(points, 0, Cause::usage, "dimension: must be 2 or 3 for an array");
   points.pop_back();
-  expect_array(points, 3, Cause::usage, "the array: its length, 299, is no multiple of the dimension, 3");
+  expect_array(points, 3, Cause::usage, "the array: its length, 299, is not a multiple of the dimension, 3");
   expect_array({}, 3, Cause::bad_input, "the array: there are no points");
   expect_array({0, 0, 1, 1, 2, 2}, 2, Cause::bad_input,
                "the array: all 3 points lie on one line; a 2D triangulation needs points off it");

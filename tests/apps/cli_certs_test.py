@@ -50,7 +50,7 @@ class Certs(CliTest):
 
     def test_wrong_arguments_are_named_before_any_file_is_touched(self):
         for args, says in [((), "--help"), (("make", "x"), "'make'"), (("init",), "no folder"), (("node", "x"), "no name of a node"),
-                           (("init", "x", "a"), "init makes no nodes"), (("node", "x", "a", "--name", "y"), "--name"),
+                           (("init", "x", "a"), "init makes no certificates of nodes"), (("node", "x", "a", "--name", "y"), "--name"),
                            (("init", "x", "--days", "0"), "--days"), (("init", "x", "--days", "36501"), "--days"),
                            (("init", "x", "--name", "two words"), "two words"), (("node", "x", "a", "a"), "'a' is given twice"),
                            (("init", "x", "--quiet", "--json"), "--quiet")]:

@@ -25,7 +25,7 @@ class Jobs(ServerTest):
         self.server.add_job("a b/c", status="failed", problem={"detail": "no space", "cause": IO}, resumable=True, starts=2,
                             started="2026-01-02T03:04:06Z")
         text = self.ok("job", "a b/c")
-        for part in ("failed, 0 %, can be resumed", "problem       no space", "for the 2. time"):
+        for part in ("failed, 0 %, can be resumed", "problem       no space", "start number 2"):
             self.assertIn(part, text)
         (line,) = self.json_lines(self.ok("job", "a b/c", "--json"))
         self.assertEqual((line["problem"], line["starts"]), ({"detail": "no space", "cause": IO}, 2))
@@ -35,7 +35,7 @@ class Jobs(ServerTest):
 
     def test_cancel_stops_what_runs_and_forgets_nothing(self):
         job = self.server.add_job("j1", status="running")
-        self.assertEqual(self.ok("cancel", "j1"), "job j1 is cancelled; 'tessera resume j1' goes on with it\n")
+        self.assertEqual(self.ok("cancel", "j1"), "job j1 is cancelled; 'tessera resume j1' continues it\n")
         self.assertEqual(job.fields["status"], "dismissed")
         self.refused(USAGE, "cancel", "j1", says="has ended already: dismissed")
         self.assertEqual(len(self.server.asked("DELETE", "")), 1)

@@ -54,8 +54,8 @@ class Query(CliTest):
                          self.ok("query", self.out, "locate", "--points", "plain.csv"))
         self.assertEqual(self.ok("query", self.out, "interpolate", "survey.csv", "--value", "z", "--columns", "_,y,x"),
                          self.ok("query", self.out, "interpolate", "plain.csv", "--value", "z"))
-        self.refused(USAGE, "query", self.out, "star", "1", "--columns", "x,y", says="--columns belongs to a file with points")
-        self.refused(USAGE, "query", self.out, "locate", "1,2", "--columns", "x,y", says="--columns belongs to a file with points")
+        self.refused(USAGE, "query", self.out, "star", "1", "--columns", "x,y", says="--columns describes a file with points")
+        self.refused(USAGE, "query", self.out, "locate", "1,2", "--columns", "x,y", says="--columns describes a file with points")
         self.refused(USAGE, "query", self.out, "locate", "--points", "plain.csv", "--columns", "x,z", says="--columns: no column is called y")
         self.write("counts.csv", "1,600,500,7\n2,601,500,8\n3,602,501,8\n")
         self.assertIn("warning: counts.csv has no header", self.run_tessera("query", self.out, "locate", "--points", "counts.csv").stderr)
@@ -148,11 +148,11 @@ class Query(CliTest):
     def test_wrong_questions_get_a_sentence(self):
         self.ground()
         out = self.out
-        for says, question in [("no question", ["height", "1,1"]), ("is not a point", ["locate", "a,b"]),
+        for says, question in [("is not a question", ["height", "1,1"]), ("is not a point", ["locate", "a,b"]),
                                ("has 1 coordinates", ["locate", "4"]), ("one point", ["locate"]),
                                ("source index", ["star", "x"]), ("has no vertex 100", ["star", "100"]), ("has no vertex 100", ["neighbours", "100"]),
                                ("belongs to 'star' and 'neighbours'", ["locate", "1,1", "--tile", "0"]),
-                               ("there are locate, star, neighbours, cells and interpolate", ["where", "1"]),
+                               ("the questions are locate, star, neighbours, cells and interpolate", ["where", "1"]),
                                ("--bbox or --polygon", ["cells", "-o", "a.vtu"]), ("add -o", ["cells", "--bbox", "0,0,1,1"]),
                                ("--bbox", ["cells", "--bbox", "0,0,1", "-o", "a.vtu"]),
                                ("intensity, z", ["interpolate", "ground.csv", "--value", "heat"]),

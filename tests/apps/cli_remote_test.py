@@ -150,7 +150,7 @@ class Export(ServerTest):
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, INTERRUPTED)
-        for part in ("the job goes on", "'tessera watch j1' shows it", "'tessera cancel j1' stops", "'tessera fetch j1 -o mesh.off'"):
+        for part in ("the job continues", "'tessera watch j1' shows it", "'tessera cancel j1' stops", "'tessera fetch j1 -o mesh.off'"):
             self.assertIn(part, errors)
 
 

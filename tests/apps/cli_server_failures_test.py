@@ -40,7 +40,7 @@ class Failures(ServerTest):
 
     def test_a_wrong_token_and_none(self):
         self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": "wrong"}, says=["does not know this token", "--token-file"])
-        self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": ""}, says=["wants a token", "TESSERA_TOKEN"])
+        self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": ""}, says=["needs a token", "TESSERA_TOKEN"])
         self.refused(USAGE, "jobs", env={"TESSERA_TOKEN": "a\nb: c"}, says="token")
         self.assertTrue(all("\n" not in request[2].get("Authorization", "") for request in self.server.requests))
 
@@ -60,8 +60,8 @@ class Failures(ServerTest):
         for foreign in ((200, "text/html", b"<html>"), (404, "text/html", b"no"), (200, "application/json", b"[1, 2]"),
                         (200, "application/json", b"{"), (500, "application/json", b"\xff")):
             self.server.foreign = foreign
-            self.refused(USAGE, "jobs", says=[self.server.url, "no Tessera server"])
-            self.refused(USAGE, "watch", "j1", says="no Tessera server")
+            self.refused(USAGE, "jobs", says=[self.server.url, "not a Tessera server"])
+            self.refused(USAGE, "watch", "j1", says="not a Tessera server")
 
     def test_what_answers_speaks_no_http(self):
         with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -73,7 +73,7 @@ class Failures(ServerTest):
             thread = threading.Thread(target=greet)
             thread.start()
             url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-            self.refused(USAGE, "jobs", "--server", url, says="the server there does not use HTTP")
+            self.refused(USAGE, "jobs", "--server", url, says="the server does not speak HTTP")
             thread.join()
 
     def test_a_field_that_no_message_has_is_passed_over(self):
@@ -108,7 +108,7 @@ class Tls(ServerTest):
         self.assertEqual((len(server.requests), len(other.requests)), (count, 0), "no token was sent there")
 
     def test_tls_and_none_are_told_apart(self):
-        self.refused(USAGE, "jobs", "--server", self.server.url.replace("http", "https"), says="the server there does not use TLS")
+        self.refused(USAGE, "jobs", "--server", self.server.url.replace("http", "https"), says="the server does not speak TLS")
 
 
 if __name__ == "__main__":

@@ -123,7 +123,7 @@ class Watch(ServerTest):
             process.send_signal(number)
             _, errors = process.communicate(timeout=60)
             self.assertEqual(process.returncode, INTERRUPTED)
-            self.assertIn("tessera: detached; the job goes on: 'tessera watch j1' shows it again, 'tessera cancel j1' stops it",
+            self.assertIn("tessera: detached; the job continues: 'tessera watch j1' shows it again, 'tessera cancel j1' stops it",
                           errors)
         self.assertEqual(self.server.asked("DELETE", ""), [])
 
@@ -145,7 +145,7 @@ class Watch(ServerTest):
             self.assertTrue(self.server.changed.wait_for(lambda: self.server.last_sent == 1, 60))
         self.server.stop()
         line = process.stderr.readline()
-        while "is waited for" not in line:
+        while "waiting until the daemon answers" not in line:
             self.assertNotEqual(line, "", "it ended")
             line = process.stderr.readline()
         self.assertIn(self.server.url, line)

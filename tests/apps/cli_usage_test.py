@@ -40,8 +40,8 @@ class Help(CliTest):
         self.assertIn("inputs FILE ...", self.ok("triangulate", "--help"))
 
     def test_a_misspelt_command_is_answered_with_the_nearest(self):
-        self.refused(USAGE, "triangualte", "a.las", says="'triangualte' is no command; perhaps 'triangulate' is meant")
-        self.refused(USAGE, "help", "verfy", says="perhaps 'verify' is meant")
+        self.refused(USAGE, "triangualte", "a.las", says="'triangualte' is not a command; perhaps you mean 'triangulate'")
+        self.refused(USAGE, "help", "verfy", says="perhaps you mean 'verify'")
         self.refused(USAGE, "scan.las", says=["there are triangulate, verify, info, export", "tessera --help"])
 
     def test_nothing_and_nonsense_are_refused(self):
@@ -51,8 +51,8 @@ class Help(CliTest):
 
     def test_wrong_options_are_named_in_a_sentence(self):
         self.refused(USAGE, "dem", "result", "--resolution", "0.5",
-                     says="'--resolution' is no option of 'tessera dem'; perhaps '--res' is meant; see 'tessera dem --help'")
-        self.refused(USAGE, "triangulate", "a.las", "--tilse=3", says="'--tilse' is no option of 'tessera triangulate'; perhaps '--tiles' is meant")
+                     says="'--resolution' is not an option of 'tessera dem'; perhaps you mean '--res'; see 'tessera dem --help'")
+        self.refused(USAGE, "triangulate", "a.las", "--tilse=3", says="'--tilse' is not an option of 'tessera triangulate'; perhaps you mean '--tiles'")
         self.refused(USAGE, "measure", "a", "b", "c", says="'b' is one argument too many for 'tessera measure'")
         self.refused(USAGE, "triangulate", "a.las", "--tiles", "3", "--tiles", "4", says="--tiles is given more than once; see")
         self.refused(USAGE, "triangulate", "a.las", "--class", "2", "--class", "9",

@@ -35,7 +35,7 @@ TEST(ResolveCommand, TakesHelpAsAWord) {
   EXPECT_EQ(resolve_command({"help"}, commands).value(), Words{"--help"});
   EXPECT_EQ(resolve_command({"help", "info"}, commands).value(), (Words{"info", "--help"}));
   EXPECT_EQ(resolve_command({"help", "--version"}, commands).value(), (Words{"--help", "--version"}));
-  EXPECT_EQ(refused({"help", "inof"}), "'inof' is no command; perhaps 'info' is meant; see 'tessera --help'");
+  EXPECT_EQ(refused({"help", "inof"}), "'inof' is not a command; perhaps you mean 'info'; see 'tessera --help'");
 }
 
 TEST(ResolveCommand, LeavesTheRestAsItIs) {
@@ -48,7 +48,7 @@ TEST(ResolveCommand, LeavesTheRestAsItIs) {
 TEST(ResolveCommand, RefusesWhatIsNoCommand) {
   EXPECT_EQ(refused({}), "no command is given; see 'tessera --help'");
   EXPECT_EQ(refused({"foo", "-o", "x"}),
-            "'foo' is no command; there are triangulate, verify, info, export; see 'tessera --help'");
+            "'foo' is not a command; there are triangulate, verify, info, export; see 'tessera --help'");
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ class Command(ClientsTest):
                 break
         self.daemon.end(signal.SIGKILL)
         said = ""
-        while "is waited for" not in said:
+        while "waiting until the daemon answers" not in said:
             line = watching.stderr.readline()
             self.assertNotEqual(line, "", said)
             said += line

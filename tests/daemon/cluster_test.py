@@ -72,7 +72,7 @@ class Cluster(unittest.TestCase):
 
         before = self.pids()
         handle, pid = self.process_of("node-2")
-        self.assertIn(f"node-2, process {pid}, is killed", self.ok("cluster", "kill", self.dir, 2))
+        self.assertIn(f"node-2, process {pid}, was killed", self.ok("cluster", "kill", self.dir, 2))
         self.assertTrue(self.ends(handle))
         self.assertEqual(self.status()["node-2"]["pid"], 0)
         self.assertIn("ended", self.ok("cluster", "status", self.dir))
@@ -110,8 +110,8 @@ class Cluster(unittest.TestCase):
         self.assertIn("third", self.ok("results"))
 
     def test_what_is_no_cluster_is_said(self):
-        for args, says in [((), "--help"), (("fly", "x"), "'fly'"), (("up",), "no folder"), (("status", "x"), "holds no cluster"),
-                           (("kill", "x"), "no number"), (("up", "x", "2"), "for kill"), (("down", "x", "-n", "2"), "--nodes"),
+        for args, says in [((), "--help"), (("fly", "x"), "'fly'"), (("up",), "no folder"), (("status", "x"), "there is no cluster in this folder"),
+                           (("kill", "x"), "no node is given; add its number"), (("up", "x", "2"), "only kill takes the number"), (("down", "x", "-n", "2"), "--nodes"),
                            (("up", "x", "-n", "0"), "--nodes"), (("up", "x", "--memory", "1M"), "64M")]:
             with self.subTest(args=args):
                 self.refused("cluster", *args, says=says)

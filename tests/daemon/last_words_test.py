@@ -67,7 +67,7 @@ class LastWords(DaemonTest):
         self.wait_until(lambda: self.count("b", "is lost") > lost, lambda: "not lost")
         node.process.send_signal(signal.SIGCONT)
         self.wait_until(lambda: self.count("b", "has joined") > came, node.said)
-        self.assertRegex(self.told("b"), "^was no member of the cluster any more .*, and began anew, while without tiles$")
+        self.assertRegex(self.told("b"), "^was not a member of the cluster any more .*, and began anew, while without tiles$")
 
     def test_want_of_memory_is_told(self):
         group = GROUPS / f"tessera-test-{os.getpid()}"
@@ -84,7 +84,7 @@ class LastWords(DaemonTest):
         self.assertEqual(node.process.wait(timeout=300), -signal.SIGKILL)
         self.join("b")
         words = self.told("b")
-        self.assertIn("was killed (SIGKILL), and the kernel has killed for want of memory in its control group", words)
+        self.assertIn("was killed (SIGKILL), and the kernel has killed processes for lack of memory in its control group", words)
         self.wait_until(lambda: self.status(job)["status"] not in ("accepted", "running"), lambda: "no end")
         self.assertEqual(self.status(job)["status"], "successful")
 

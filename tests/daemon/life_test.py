@@ -69,7 +69,7 @@ class Life(DaemonTest):
         # One that is open from before stays so, and the log says it.
         data.chmod(0o755)
         daemon = self.start()
-        self.assertIn(f"{data}: other users may look into it", daemon.messages())
+        self.assertIn(f"{data}: other users can read this folder", daemon.messages())
         self.assertEqual(data.stat().st_mode & 0o777, 0o755)
         self.assertEqual(daemon.end(), 0)
 

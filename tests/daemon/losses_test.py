@@ -40,7 +40,7 @@ class Cluster(ClusterTest):
         if needed:  # what it had done was done again
             self.assertEqual(self.status(job)["nodesLost"], 1)
         self.wait_for_members(4)
-        self.assertIn("no member of the cluster any more", node.said())
+        self.assertIn("is not a member of the cluster any more", node.said())
 
     def test_strangers_are_refused_and_harm_nobody(self):
         self.tessera("certs", "init", "others")

@@ -28,7 +28,7 @@ class Links(ClusterTest):
         self.assert_right(job)
         self.network.link("c", "up")
         self.wait_until(lambda: self.joined("c") == 2, self.first.said)
-        self.assertIn("no member of the cluster any more", self.others["c"].said())
+        self.assertIn("is not a member of the cluster any more", self.others["c"].said())
         self.wait_for_members(4)
         self.assert_right(self.submit("whole-again"))
 

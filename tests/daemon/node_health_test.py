@@ -101,7 +101,7 @@ class Health(DaemonTest):
         self.wait_until(lambda: "node c (" in self.coordinator.messages() and "is lost" in self.coordinator.messages(),
                         lambda: "not lost")
         nodes["c"].process.send_signal(signal.SIGCONT)
-        self.wait_until(lambda: "no member of the cluster any more" in nodes["c"].said() and
+        self.wait_until(lambda: "is not a member of the cluster any more" in nodes["c"].said() and
                         self.ask("c", "/readyz")[0] == 200, lambda: nodes["c"].said())
         self.assertEqual(self.figures("c")["tessera_tiles_begun_total"], 0)
         self.assertEqual(nodes["c"].end(signal.SIGTERM), 0)

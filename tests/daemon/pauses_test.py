@@ -58,7 +58,7 @@ class Pauses(DaemonTest):
             self.wait_for_members(set("abcd"))
         self.assertNotIn("is lost", self.coordinator.messages())
         for node in self.nodes.values():
-            self.assertNotIn("no member of the cluster any more", node.said())
+            self.assertNotIn("is not a member of the cluster any more", node.said())
             # It was welcomed a second time, by the same process.
             self.assertGreaterEqual(node.said().count("member of the cluster tessera"), 1 + len(PAUSES_S), node.said())
 

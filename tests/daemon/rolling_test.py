@@ -148,7 +148,7 @@ class Rolling(DaemonTest):
         self.nodes["c"].process.send_signal(signal.SIGTERM)
         self.assertEqual(self.nodes["c"].process.wait(timeout=300), 0)
         self.assertGreaterEqual(time.monotonic() - began, 2)
-        self.assertIn("others do not have its tiles after 2 s: it ends, and is lost", self.nodes["c"].said())
+        self.assertIn("after 2 s, other nodes do not have all tiles of this node: it ends all the same, and is lost", self.nodes["c"].said())
         self.nodes["d"].process.send_signal(signal.SIGTERM)
         self.wait_until(lambda: "leaves the cluster" in self.nodes["d"].said(), self.nodes["d"].said)
         self.assertEqual(self.nodes["d"].end(signal.SIGTERM), -signal.SIGTERM)  # a second one
@@ -157,7 +157,7 @@ class Rolling(DaemonTest):
         self.assertEqual(self.result(job), alone, self.log(job))
         self.wait_for_members(set("abcd"))
         words = {node["name"]: node.get("lastWords", "") for node in self.coordinator.request("GET", "/v1/nodes")[2]["nodes"]}
-        self.assertIn("was told to end, and did not get rid of its tiles within 2 s", words["c"])
+        self.assertIn("was told to end, and did not hand over its tiles within 2 s", words["c"])
         self.assertIn("was ended by signal SIGTERM", words["d"])
         # A node without tiles that other nodes would continue ends at once.
         self.coordinator.end(signal.SIGKILL)

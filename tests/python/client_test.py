@@ -224,7 +224,7 @@ class Failures(ClientTest):
     def test_tokens(self):
         with self.assertRaisesRegex(tessera.UsageError, "does not know this token"):
             tessera.connect(self.server.url, "wrong").jobs()
-        with self.assertRaisesRegex(tessera.UsageError, "wants a token"):
+        with self.assertRaisesRegex(tessera.UsageError, "needs a token"):
             tessera.connect(self.server.url, "").jobs()
         with self.assertRaisesRegex(tessera.UsageError, "token"):
             tessera.connect(self.server.url, "a\r\nb")
@@ -240,7 +240,7 @@ class Failures(ClientTest):
         for foreign in ((200, "text/html", b"<html>"), (404, "text/plain", b""), (200, "application/json", b"[1]")):
             self.server.foreign = foreign
             for call in (self.client.jobs, self.client.job("j1").wait):
-                with self.assertRaisesRegex(tessera.UsageError, "no Tessera server"):
+                with self.assertRaisesRegex(tessera.UsageError, "not a Tessera server"):
                     call()
 
     def test_links_do_not_leave_the_server(self):
@@ -250,7 +250,7 @@ class Failures(ClientTest):
             self.client.jobs()
 
     def test_tls_of_nobody_is_told(self):
-        with self.assertRaisesRegex(tessera.UsageError, "the server there does not use TLS"):
+        with self.assertRaisesRegex(tessera.UsageError, "the server does not speak TLS"):
             tessera.connect(self.server.url.replace("http", "https")).jobs()
 
 

@@ -96,12 +96,12 @@ class Attributes(FolderTest):
                                      ({"": np.zeros(50)}, "^attributes: '' is no name"),
                                      ({7: np.zeros(50)}, "^attributes: 7 is no name"),
                                      ({"é" * 33: np.zeros(50)}, "at most 64 bytes"),
-                                     (["m"], "^attributes of an array are columns"),
-                                     ("all", "^attributes of an array are columns")):
+                                     (["m"], "^attributes of an array must be columns"),
+                                     ("all", "^attributes of an array must be columns")):
             with self.subTest(sentence), self.assertRaisesRegex(tessera.UsageError, sentence):
                 tessera.triangulate(points, attributes=attributes)
         np.save(self.folder / "points.npy", points)
-        with self.assertRaisesRegex(tessera.UsageError, "^attributes of files are names"):
+        with self.assertRaisesRegex(tessera.UsageError, "^attributes of files must be names"):
             tessera.triangulate(self.folder / "points.npy", attributes={"m": np.zeros(50)})
         self.assertEqual(self.left(), ["points.npy"])
 

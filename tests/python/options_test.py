@@ -138,13 +138,13 @@ class Options(unittest.TestCase):
         points = clouds.random(50, 3)
         for arguments, sentence in ((dict(crop=[1, 0, 0, 1]), "^crop: is an empty box"),
                                     (dict(crop=[1, 0]), "^crop: is not xmin"),
-                                    (dict(classes=[2]), "^classes are of files: choose rows"),
+                                    (dict(classes=[2]), "^classes are for files: choose rows"),
                                     (dict(tiles=2, max_points_per_tile=9), "^tiles and max_points_per_tile contradict"),
                                     (dict(tiles=0), "^tiles is 0"),
                                     (dict(partition="hexagons"), "^partition: "),
                                     (dict(crs="nonsense"), "^crs: 'nonsense' is no file: the coordinate system is neither"),
                                     (dict(resolution=-1), "^resolution is -1"),
-                                    (dict(columns="x,y"), "^columns are of files: choose and order"),
+                                    (dict(columns="x,y"), "^columns are for files: choose and order"),
                                     (dict(keep="lowest"), "^keep='lowest': chooses among points of equal x and y"),
                                     (dict(dim=2, keep="both"), "^keep: 'both' is none of"),
                                     (dict(resume=True), "^resume: ")):

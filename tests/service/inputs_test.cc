@@ -118,7 +118,8 @@ TEST_F(Inputs, EveryRefusalOfASubmissionNamesTheField) {
             "tiles and tile_points contradict each other: give one of them");
   EXPECT_EQ(detail([](Fields& of) { of.set_memory("lots"); }), "memory: 'lots' is not a size like 800M, 4G or 1.5G");
   EXPECT_EQ(detail([](Fields& of) { of.add_class_(256); }), "class: 256 is no LAS class, a number from 0 to 255");
-  EXPECT_EQ(detail([](Fields& of) { of.set_kernel("x"); }), "kernel: 'x' is no kernel; there are flat and cgal");
+  EXPECT_EQ(detail([](Fields& of) { of.set_kernel("x"); }),
+            "kernel: 'x' is not a kernel; the kernels are flat and cgal");
   const auto nan = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(detail([&](Fields& of) {

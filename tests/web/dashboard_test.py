@@ -32,7 +32,7 @@ class Dashboard(looking.LookingTest):
         fields = b.script("return [...document.querySelectorAll('.fields [name]')].map(e => e.name)")
         self.assertEqual(sorted(fields), sorted(described))
         b.fill("inputs", "*.las")
-        b.until_text("This daemon would take it.", ".costs")
+        b.until_text("This daemon would accept the job.", ".costs")
         estimate = self.daemon.request("POST", "/v1/processes/triangulate/estimate", {"inputs": {"inputs": ["*.las"]}})[2]
         self.assertIn(f"{estimate['points']:,}", b.text(".costs"))
         b.look(self, "submit")
@@ -102,7 +102,7 @@ class Dashboard(looking.LookingTest):
         boxes[0].send_keys(Keys.SPACE)
         boxes[1].send_keys(Keys.SPACE)
         self.assertEqual(field.get_attribute("value"), "ign_77050_627755.las\nign_77050_627760.las")
-        b.until_text("This daemon would take it.", ".costs")
+        b.until_text("This daemon would accept the job.", ".costs")
         estimate = self.daemon.request("POST", "/v1/processes/triangulate/estimate",
                                        {"inputs": {"inputs": ["ign_77050_627755.las", "ign_77050_627760.las"]}})[2]
         self.assertIn(f"{estimate['points']:,}", b.text(".costs"))
@@ -237,7 +237,7 @@ class Dashboard(looking.LookingTest):
         b = self.browser
         self.submit(inputs="cloud.npy", output="cloud", tiles="60", threads="1")
         b.until("return document.querySelectorAll('.arcs .arc').length > 10")
-        said = b.until("return /Mail has lately gone \\d+ ways between tiles; most from tile \\d+ to tile \\d+: [\\d,]+ points\\./"
+        said = b.until("return /Points have lately gone \\d+ ways between tiles; most from tile \\d+ to tile \\d+: [\\d,]+ points\\./"
                        ".exec(document.querySelector('.map canvas').getAttribute('aria-label'))?.[0]")
         self.assertTrue(said)
         b.picture("job-mail-real")

@@ -177,7 +177,7 @@ class Scale(unittest.TestCase):
         self.service.tell(50, "progress", jobID="000000000001", status=now | {"progress": 50})
         b.until("return document.querySelectorAll('.arcs .arc').length === 128")
         tiles = sum(1 for _ in self.tiles_below(parts[0])), sum(1 for _ in self.tiles_below(parts[1]))
-        self.assertEqual(b.text(".mail"), f"Mail has lately gone 128 ways between tiles; most from a part of {tiles[0]} tiles to a part of {tiles[1]} tiles: 256 points.")
+        self.assertEqual(b.text(".mail"), f"Points have lately gone 128 ways between tiles; most from a part of {tiles[0]} tiles to a part of {tiles[1]} tiles: 256 points.")
         self.assertLess(self.elements(), ELEMENTS_MAX)
         b.picture("job-many-tiles-mail")
         self.service.mail = None
@@ -211,7 +211,7 @@ class Scale(unittest.TestCase):
         self.assertGreater(arcs[0]["width"], arcs[1]["width"])
         self.assertGreater(arcs[1]["width"], arcs[2]["width"])
         self.assertEqual([arc["ends"] for arc in arcs.values()], [["0", "1"], ["1", "0"], ["17", "59"]])
-        said = "Mail has lately gone 3 ways between tiles; most from tile 0 to tile 1: 4,000 points."
+        said = "Points have lately gone 3 ways between tiles; most from tile 0 to tile 1: 4,000 points."
         self.assertEqual(b.text(".mail"), said)
         self.assertEqual(b.script("return document.querySelector('.map canvas').getAttribute('aria-label')"), f"Map of the tiles: 60 joined. {said}")
         for motion, name in (("no-preference", "mail"), ("reduce", "none")):
@@ -234,7 +234,7 @@ class Scale(unittest.TestCase):
         b.size(1280)
         b.theme("light")
         tell({"from": [-1], "to": [-2], "points": [7]}, "q" * 60)
-        self.assertEqual(b.text(".mail"), "Mail has lately gone one way between tiles; most from tile 0 to tile 1: 7 points.")
+        self.assertEqual(b.text(".mail"), "Points have lately gone one way between tiles; most from tile 0 to tile 1: 7 points.")
         # What happens at the end, and when it is stopped: no arc is left of it.
         tell(None, "q" * 60, phase="collecting")
         self.assertEqual(b.text(".mail"), "")

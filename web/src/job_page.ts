@@ -25,7 +25,7 @@ export class JobPage implements Page {
   private readonly steps = h("ol", {class: "steps", "aria-label": "Phases"}, ...phases.map(phase => h("li", {"data-phase": phase.name}, phase.words)));
   private readonly problem = h("p", {class: "notice", role: "alert"});
   private readonly figures = {
-    points: new Figure("Points"), elapsed: new Figure("Time"), starts: new Figure("Begun"), lost: new Figure("Nodes lost"),
+    points: new Figure("Points"), elapsed: new Figure("Time"), starts: new Figure("Started"), lost: new Figure("Nodes lost"),
     by: new Figure("Submitted by"), tiles: new Figure("Tiles triangulated"), asleep: new Figure("Tiles at rest"),
     stored: new Figure("Tiles stored"), sent: new Figure("Points between tiles"), memory: new Figure("Memory")};
   private readonly graphs: JobGraphs;

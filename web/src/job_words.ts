@@ -57,7 +57,7 @@ export async function doIt(deed: Deed, job: Job): Promise<Job | null> {
   const sure = deed === "cancel"
     ? await confirmed(`Stop ${nameOf(job)}?`, "What is done stays, and the job can be resumed.", "Stop the job")
     : await confirmed(`Forget ${nameOf(job)}?`,
-      "The job goes from the list with its log, and with what could be resumed of it. A finished result stays.", "Forget the job");
+      "The job is removed from the list, with its log, and cannot be resumed any more. A finished result stays.", "Forget the job");
   if (!sure) return null;
   // It may have ended while the question stood there: to stop it would be to forget it.
   if (deed === "cancel") {

@@ -15,11 +15,11 @@ export class LogPanel {
 
   constructor(private readonly job: string) {
     const whole = address("jobs", job, "log");
-    this.cut = h("p", {class: "sub"}, "Only its end is shown.");
+    this.cut = h("p", {class: "sub"}, "Only the end of the log is shown.");
     show(this.cut, false);
     this.element = h("section", {class: "panel", "aria-labelledby": "log-title"},
       h("div", {class: "heading"}, h("h2", {id: "log-title"}, "Log"),
-        h("a", {class: "button quiet", href: whole, target: "_blank", rel: "noopener"}, "All of it")),
+        h("a", {class: "button quiet", href: whole, target: "_blank", rel: "noopener"}, "Whole log")),
       this.cut, this.text);
   }
 

@@ -15,7 +15,7 @@ function kindOf(made: Export): string {
 }
 
 export class MadePanel {
-  readonly element = h("section", {class: "panel", "aria-labelledby": "made-title"}, h("h2", {id: "made-title"}, "Made of it"));
+  readonly element = h("section", {class: "panel", "aria-labelledby": "made-title"}, h("h2", {id: "made-title"}, "Made from this result"));
   private readonly list = h("div", {});
   private readonly notice = new Notice();
   private readonly picture = new MapPicture();

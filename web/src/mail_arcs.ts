@@ -42,7 +42,7 @@ export class MailArcs {
     else if (!this.ground.isConnected) this.picture.prepend(this.ground);
     for (const arc of this.arcs.values()) if (!arc.isConnected) this.picture.append(arc);
     this.said = plan && ways.length > 0
-      ? `Mail has lately gone ${ways.length === 1 ? "one way" : `${count(ways.length)} ways`} between tiles; ` +
+      ? `Points have lately gone ${ways.length === 1 ? "one way" : `${count(ways.length)} ways`} between tiles; ` +
         `most from ${nameOf(plan, from[0])} to ${nameOf(plan, to[0])}: ${count(points[0])} points.`
       : "";
     if (this.said === "") say(this.words, "");

@@ -20,7 +20,7 @@ export class NodesPage implements Page {
   private readonly leave: () => void;
 
   constructor(private readonly context: Context) {
-    const names = ["Node", "State", "Heard of", "Threads", "Tiles", "Memory of jobs", "Here for", ...(this.admin ? ["Actions"] : [])];
+    const names = ["Node", "State", "Last heard", "Threads", "Tiles", "Memory of jobs", "Member for", ...(this.admin ? ["Actions"] : [])];
     this.element = h("div", {}, heading("Nodes"), this.counted, this.notice.element,
       h("div", {class: "panel scrolls", tabindex: 0, role: "region", "aria-label": "The nodes, as a table"},
         h("table", {class: "nodes", "aria-label": "Nodes"}, h("thead", {}, h("tr", {}, ...names.map(name => h("th", {scope: "col"}, name)))), this.body)));

@@ -42,5 +42,5 @@ function table(value: Record<string, unknown>): HTMLElement {
       h("dd", {class: "wraps"}, typeof each === "number" ? each.toLocaleString("en") : String(each))));
   }
   return h("div", {}, h("dl", {class: "figures"}, ...simple), ...lists,
-    Object.keys(deep).length ? h("pre", {class: "log", tabindex: 0, "aria-label": "All of it"}, JSON.stringify(deep, null, 2)) : null);
+    Object.keys(deep).length ? h("pre", {class: "log", tabindex: 0, "aria-label": "The whole outcome"}, JSON.stringify(deep, null, 2)) : null);
 }

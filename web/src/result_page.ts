@@ -9,7 +9,7 @@ import {action, Context, Figure, heading, Notice, Page} from "./page";
 // The files that a result always has, in the order in which people want them (src/store/FORMAT.md).
 const files: [string, string][] = [
   ["report.html", "How the run went, as a page"], ["triangulation.pvtu", "For ParaView: names the tiles"],
-  ["manifest.json", "What it is, and the checksum of every file"]];
+  ["manifest.json", "What the result is, and the checksum of every file"]];
 
 export class ResultPage implements Page {
   readonly title: string;
@@ -52,7 +52,7 @@ export class ResultPage implements Page {
         h("ul", {class: "files"}, ...files.map(([path, about]) => h("li", {},
           h("a", path.endsWith(".html") ? {href: fileAddress(this.name, path), target: "_blank", rel: "noopener"}
             : {href: fileAddress(this.name, path), download: true}, path), h("span", {class: "sub"}, about)))),
-        h("p", {class: "muted"}, "All of it, tiles included: ", h("code", {}, `tessera fetch ${this.name} -o ${this.name}/`))));
+        h("p", {class: "muted"}, "To copy the whole result, tiles included: ", h("code", {}, `tessera fetch ${this.name} -o ${this.name}/`))));
   }
 
   private async verify(): Promise<void> {

@@ -33,7 +33,7 @@ export function signIn(then: () => void): Page {
       then();
     }));
   }}, h("div", {class: "field"}, h("label", {for: "token"}, "Token"), token,
-    h("p", {class: "help"}, "As the daemon printed it when it started, or as whoever runs it gave it to you. It is exchanged for a cookie that ends after a week, and not kept.")),
+    h("p", {class: "help"}, "The daemon prints a token when it starts; otherwise ask the person who runs the daemon. This page exchanges the token for a cookie that ends after a week, and does not keep the token.")),
     h("div", {class: "actions"}, enter));
   return {title: "Sign in", element: h("div", {class: "sign-in"}, heading("Sign in"), notice.element, form), close: () => undefined};
 }

@@ -100,7 +100,7 @@ export class SubmitPage implements Page {
   }
 }
 
-// What it would take.
+// What the job would need.
 class Costs {
   readonly element: HTMLElement;
   private readonly says = h("p", {role: "status"});
@@ -111,7 +111,7 @@ class Costs {
 
   constructor() {
     this.list.append(...Object.values(this.figures).map(figure => figure.element));
-    this.element = h("aside", {class: "panel costs", "aria-label": "Estimate"}, h("h2", {}, "What it would take"), this.says, this.list);
+    this.element = h("aside", {class: "panel costs", "aria-label": "Estimate"}, h("h2", {}, "What the job would need"), this.says, this.list);
     this.clear();
   }
 
@@ -137,7 +137,7 @@ class Costs {
       if (value > 0) figure.set(text(value));
       show(figure.element, value > 0);
     }
-    if (estimate.accepted) this.set("This daemon would take it.", "successful", true);
-    else this.set(estimate.reason ?? "This daemon would refuse it.", "failed", true);
+    if (estimate.accepted) this.set("This daemon would accept the job.", "successful", true);
+    else this.set(estimate.reason ?? "This daemon would refuse the job.", "failed", true);
   }
 }

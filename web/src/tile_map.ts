@@ -21,7 +21,7 @@ export class TileMap {
   private readonly sheet = h("div", {class: "sheet"}, this.canvas, this.arcs.picture, this.places);
   private readonly frame = h("div", {class: "frame"}, this.sheet);
   private readonly whole = h("button", {type: "button", class: "quiet", onclick: () => this.see(() => this.part.whole())}, "All");
-  private readonly buttons = h("div", {class: "map-buttons", role: "group", "aria-label": "What of the map is seen"},
+  private readonly buttons = h("div", {class: "map-buttons", role: "group", "aria-label": "View of the map"},
     h("button", {type: "button", class: "quiet", "aria-label": "Closer", title: "Closer", onclick: () => this.closer(step)}, "+"),
     h("button", {type: "button", class: "quiet", "aria-label": "Farther", title: "Farther", onclick: () => this.closer(1 / step)}, "−"), this.whole);
   private readonly hint = h("p", {class: "sub hint"}, "The tiles are shown when the points have been read.");
@@ -43,7 +43,7 @@ export class TileMap {
     }));
     this.element = h("div", {class: "map"}, legend, this.frame,
       h("div", {class: "below-map"}, this.hint, this.buttons), this.arcs.words,
-      h("p", {class: "unseen", id: "map-keys"}, "Keys: + and − go closer and farther, arrows move, 0 shows all."));
+      h("p", {class: "unseen", id: "map-keys"}, "Keys: + and − zoom, arrows move, 0 shows all."));
     show(this.sheet, false);
     show(this.buttons, false);
     this.canvas.addEventListener("pointermove", event => this.point(event));

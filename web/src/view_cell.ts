@@ -66,7 +66,7 @@ export class CellPanel {
 
   private tell(found: Location, [height, ...heights]: (number | null)[]): void {
     if (found.cell === null) {
-      this.summary = "There is no cell: outside of the hull.";
+      this.summary = "There is no cell here: this place is outside of the hull.";
       replace(this.body, h("p", {class: "muted"}, this.summary));
       return this.onFound([], []);
     }

@@ -36,7 +36,7 @@ export class SolidView {
   private readonly closing = new AbortController();
   private scene: SolidScene | null = null;
   private mode: Mode = "hull";
-  private hullWords = "The facets that no other cell is behind.";
+  private hullWords = "The outer facets: no other cell lies behind them.";
   private chosen = false;  // the box is as somebody wants it
   private cut = 1;  // the axis that the plane is upright on
   private corners: number[][] = [];
@@ -239,7 +239,7 @@ export class SolidView {
     }
     this.scene!.put(shape);
     const cells = count(shape.extras.cells);
-    say(this.told, {hull: `${cells} cells on the border of those without longer edges.`, cut: `The plane cuts ${cells} cells.`,
+    say(this.told, {hull: `${cells} cells on the border of the cells without longer edges.`, cut: `The plane cuts ${cells} cells.`,
       cells: `${cells} cells meet the box.`}[this.mode]);
   }
 }

@@ -13,7 +13,7 @@ export function viewButtons(viewed: () => Viewed | null): HTMLElement {
     if (scene) then(scene);
   }}, text);
   return h("div", {class: "view-buttons", role: "group", "aria-label": "Where to look from"},
-    button("Fit", "All of it fills the picture", scene => scene.fit()), button("Top", "From above, north up", scene => scene.top()));
+    button("Fit", "The whole fills the picture", scene => scene.fit()), button("Top", "From above, north up", scene => scene.top()));
 }
 
 export function heightSlider(viewed: () => Viewed | null): HTMLElement {

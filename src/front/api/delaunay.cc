@@ -74,7 +74,7 @@ Delaunay::Delaunay(std::span<const double> coordinates, int dimension, std::stop
         const std::size_t length = coordinates.size(), d = static_cast<std::size_t>(dimension);
         if (length % d != 0) {
           throw Failure(Cause::usage, "the array: its length, " + std::to_string(length) +
-                                          ", is no multiple of the dimension, " + std::to_string(dimension));
+                                          ", is not a multiple of the dimension, " + std::to_string(dimension));
         }
         if (length / d > std::numeric_limits<std::int32_t>::max())
           throw Failure(Cause::memory, "the array: has more than 2^31 points; use triangulate()");
@@ -120,7 +120,7 @@ std::span<const std::pair<std::int32_t, std::int32_t>> Delaunay::duplicates() co
 
 void Delaunay::find_simplex(std::span<const double> queries, std::span<std::int32_t> out) const {
   if (queries.size() != out.size() * static_cast<std::size_t>(dimension()))
-    throw Failure(Cause::usage, "find_simplex: there is not one place in `out` for each query point");
+    throw Failure(Cause::usage, "find_simplex: `out` must have one place for each query point");
   guarded([&] { impl_->finder->find(queries, out); });
 }
 

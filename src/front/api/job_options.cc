@@ -32,8 +32,8 @@ JobOptions job_options(const TriangulationOptions& options) {
   JobOptions job = asked.job;
   const int dimension = job.cloud.dimension;
   require(dimension == 0 || dimension == 2 || dimension == 3, option("dim") + ": must be 0, 2 or 3");
-  require(job.threads <= threads_max,
-          option("threads") + ": " + std::to_string(job.threads) + " are more than " + std::to_string(threads_max));
+  require(job.threads <= threads_max, option("threads") + ": " + std::to_string(job.threads) +
+                                          " is more than the limit, " + std::to_string(threads_max));
   if (job.threads == 0) job.threads = usable_processors();
   job.cloud.threads = job.threads;
   if (job.memory_bytes == 0) job.memory_bytes = default_memory();
@@ -57,7 +57,7 @@ JobOptions job_options(const TriangulationOptions& options) {
   require(!asked.resume || !asked.overwrite,
           option("resume") + " and " + option("overwrite") + " contradict each other: give one of them");
   require(!asked.resume || !asked.folder.empty(),
-          option("resume") + ": a run is left in, and found in, a folder of yours");
+          option("resume") + ": an unfinished run stays in the result folder, so name one");
   job.resumable = asked.resume;
   job.command = {"tessera::triangulate"};
   return job;

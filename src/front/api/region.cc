@@ -71,7 +71,9 @@ Triangulation triangulate_region(const std::vector<std::string>& inputs, std::sp
   auto made = guarded([&] {
     if (inputs.empty() && asked.job.cloud.input_list.empty())
       throw_failure(error(Errc::usage, "no input file is given"));
-    if (asked.resume) throw_failure(error(Errc::usage, option("resume") + ": a region is made anew"));
+    if (asked.resume)
+      throw_failure(
+          error(Errc::usage, option("resume") + ": a region cannot be resumed, because it is always made anew"));
     const RegionJobOptions job = region_options(box, options, request);
     std::optional<TemporaryFolder> temporary;
     if (asked.folder.empty()) temporary.emplace(value_or_throw(TemporaryFolder::make()));

@@ -126,8 +126,9 @@ Triangulation make(const TriangulationOptions& given, const OpenCloud& open) {
 
 void refuse_options_of_files(const TriangulationOptions& options) {
   const auto& asked = OptionsInside::of(options);
-  require(asked.job.cloud.input_list.empty(), option("input-list") + ": there is an array already");
-  require(!asked.resume, option("resume") + ": whether an array is the same cannot be known; save it in a file");
+  require(asked.job.cloud.input_list.empty(),
+          option("input-list") + ": the points are an array, so there are no input files");
+  require(!asked.resume, option("resume") + ": an array may have changed since the first run; save it in a file");
 }
 
 }  // namespace
@@ -143,9 +144,9 @@ Triangulation TriangulationMaker::open(const std::filesystem::path& path, std::o
 Triangulation triangulate(std::span<const double> coordinates, const TriangulationOptions& options) {
   const auto& asked = OptionsInside::of(options);
   const int dimension = asked.job.cloud.dimension;
-  require(dimension == 2 || dimension == 3, option("dim") + ": of an array it must be 2 or 3");
+  require(dimension == 2 || dimension == 3, option("dim") + ": must be 2 or 3 for an array");
   require(coordinates.size() % static_cast<std::size_t>(dimension) == 0,
-          "the array: its length, " + std::to_string(coordinates.size()) + ", is no multiple of the dimension, " +
+          "the array: its length, " + std::to_string(coordinates.size()) + ", is not a multiple of the dimension, " +
               std::to_string(dimension));
   refuse_options_of_files(options);
   return make(options, [&](JobOptions& job, const std::stop_token&) {
@@ -155,7 +156,7 @@ Triangulation triangulate(std::span<const double> coordinates, const Triangulati
 
 Triangulation triangulate(const Records& records, const TriangulationOptions& options) {
   const int dimension = OptionsInside::of(options).job.cloud.dimension;
-  require(dimension == 2 || dimension == 3, option("dim") + ": of an array it must be 2 or 3");
+  require(dimension == 2 || dimension == 3, option("dim") + ": must be 2 or 3 for an array");
   refuse_options_of_files(options);
   return make(options, [&](JobOptions& job, const std::stop_token&) {
     return Cloud::open_source(record_source("the array", records.bytes, records.columns, records.rows), job.cloud);

@@ -40,7 +40,7 @@ Status make_cluster(const fs::path& folder, const CertificateOptions& options, c
   } else if (!output.quiet) {
     say("%s: the authority of the cluster %s, valid until %s\n", file.c_str(), options.cluster.c_str(),
         date_text(until).c_str());
-    say("%s: its key; whoever has it can make nodes of this cluster: keep it here\n", key.c_str());
+    say("%s: the key of the authority; anyone who has it can add nodes to the cluster: keep it secret\n", key.c_str());
     say("next: tessera certs node %s NAME ...\n", folder.c_str());
   }
   return success();
@@ -69,25 +69,26 @@ Status make_nodes(const fs::path& folder, const std::vector<std::string>& nodes,
     }
   }
   if (!output.json && !output.quiet)
-    say("copy %s and the two files of a node to a folder of that node; %s stays here\n", authority_file(folder).c_str(),
-        authority_key_file(folder).c_str());
+    say("copy %s and the two files of each node to a folder on that node; %s stays here\n",
+        authority_file(folder).c_str(), authority_key_file(folder).c_str());
   return success();
 }
 
 Status run_certs(Settings& settings, const Arguments& arguments) {
   const bool init = arguments.action == "init";
-  if (arguments.action.empty()) return error(Errc::usage, std::string("nothing to make is given; ") + help);
+  if (arguments.action.empty()) return error(Errc::usage, std::string("no action is given (init or node); ") + help);
   if (!init && arguments.action != "node")
-    return error(Errc::usage, "'" + arguments.action + "' is nothing to make; there are init and node");
+    return error(Errc::usage, "'" + arguments.action + "' is not an action; the actions are init and node");
   if (arguments.folder.empty()) return error(Errc::usage, std::string("no folder of certificates is given; ") + help);
   if (init && !arguments.nodes.empty())
-    return error(Errc::usage, "init makes no nodes; 'tessera certs node' does, and --name names the cluster");
+    return error(Errc::usage,
+                 "init makes no certificates of nodes; 'tessera certs node' makes them, and --name names the cluster");
   if (!init && arguments.nodes.empty()) return error(Errc::usage, std::string("no name of a node is given; ") + help);
   CertificateOptions options;
   BOOST_OUTCOME_TRY(days, settings.get("days", [](const std::string& text) { return parse_integer(text, 1, 36500); }));
   if (days) options.days = static_cast<int>(*days);
   const auto name = settings.text("name");
-  if (name && !init) return error(Errc::usage, "--name: is of the cluster, which 'tessera certs init' makes");
+  if (name && !init) return error(Errc::usage, "--name: the name of the cluster is given to 'tessera certs init' only");
   if (name) options.cluster = *name;
   BOOST_OUTCOME_TRY(output, output_options(settings));
   return init ? make_cluster(arguments.folder, options, output)
@@ -97,24 +98,28 @@ Status run_certs(Settings& settings, const Arguments& arguments) {
 }  // namespace
 
 Command add_certs(CLI::App& root) {
-  auto command =
-      new_command(root, "certs", "Makes the certificates by which the nodes of a cluster know each other",
-                  "  tessera certs init certs                    ca.pem and ca.key: the authority of a cluster\n"
-                  "  tessera certs init certs --name lyon --days 1000\n"
-                  "  tessera certs node certs alpha beta         alpha.pem, alpha.key, beta.pem, beta.key\n\n"
-                  "To the node alpha copy ca.pem, alpha.pem and alpha.key, to a folder that its daemon alone can\n"
-                  "read. ca.key stays: whoever has it can make nodes. Nodes do not compare names, so each cluster\n"
-                  "has an authority of its own. Nothing that is there is replaced.");
+  auto command = new_command(
+      root, "certs", "Makes the certificates by which the nodes of a cluster know each other",
+      "  tessera certs init certs                    ca.pem and ca.key: the authority of a cluster\n"
+      "  tessera certs init certs --name lyon --days 1000\n"
+      "  tessera certs node certs alpha beta         alpha.pem, alpha.key, beta.pem, beta.key\n\n"
+      "Copy ca.pem, alpha.pem and alpha.key to the node alpha, into a folder that only its daemon can read.\n"
+      "ca.key stays here: anyone who has it can add nodes. Nodes trust every certificate of their authority,\n"
+      "whatever its name, so each cluster needs an authority of its own. Existing files are never replaced.");
   add_value(command, "days", "N",
-            "how long it is valid; default: 3650 of init, 730 of node, which never outlives its authority", 0, true);
-  add_value(command, "name", "CLUSTER", "init: what its certificate calls the cluster; default: tessera", 0, true);
-  add_switch(command, "quiet", "say nothing but errors");
+            "how many days the certificate is valid; default: 3650 for init, 730 for node; the certificate of a node "
+            "never outlives its authority",
+            0, true);
+  add_value(command, "name", "CLUSTER", "init: the name of the cluster, in its certificate; default: tessera", 0, true);
+  add_switch(command, "quiet", "print errors only");
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   auto arguments = std::make_shared<Arguments>();
-  add_argument(command, "action", "init|node", arguments->action, "init: an authority; node: certificates of nodes");
+  add_argument(command, "action", "init|node", arguments->action,
+               "init makes an authority; node makes certificates of nodes");
   add_choices(command, "action", "init, node");
-  add_argument(command, "folder", "DIR", arguments->folder, "the folder of the authority, which init makes");
-  add_argument(command, "names", "NAME", arguments->nodes, "node: what they are called, as node-1 or 10.0.0.7");
+  add_argument(command, "folder", "DIR", arguments->folder, "the folder of the authority; init makes it");
+  add_argument(command, "names", "NAME", arguments->nodes,
+               "node: the names of the nodes, for example node-1 or 10.0.0.7");
   command.run = [settings = command.settings.get(), arguments](const std::vector<std::string>&) {
     return run_certs(*settings, *arguments);
   };

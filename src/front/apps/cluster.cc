@@ -46,7 +46,8 @@ using Nodes = std::vector<proto::NodeInfo>;
 
 Result<LocalCluster> existing(const fs::path& folder) {
   BOOST_OUTCOME_TRY(found, read_local_cluster(folder));
-  if (!found) return error(Errc::usage, folder.string() + ": holds no cluster; 'tessera cluster up' makes one");
+  if (!found)
+    return error(Errc::usage, folder.string() + ": there is no cluster in this folder; 'tessera cluster up' makes one");
   return *std::move(found);
 }
 
@@ -72,7 +73,8 @@ Status wait_until(const LocalCluster& cluster, Server& server, const std::functi
       BOOST_OUTCOME_TRY(process, process_of(cluster, *node));
       if (!process) return error(Errc::io, node->name + " has ended: " + last_words(cluster, *node));
     }
-    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted; 'tessera cluster down' ends what runs");
+    if (stop.stop_requested())
+      return error(Errc::interrupted, "interrupted; 'tessera cluster down' ends the processes that run");
     if (Clock::now() > until)
       return error(Errc::io, "not all nodes have joined in a minute; their logs are in " +
                                  local_logs_folder(cluster.folder).string());
@@ -162,7 +164,8 @@ Status run_up(Settings& settings, const fs::path& folder, const OutputOptions& o
   LocalCluster& cluster = *found;
   if (given.nodes && static_cast<std::size_t>(*given.nodes) != cluster.nodes.size()) {
     return error(Errc::usage, folder.string() + ": holds a cluster of " + std::to_string(cluster.nodes.size()) +
-                                  " nodes; name another folder for one of " + std::to_string(*given.nodes));
+                                  " nodes already; give another folder for a cluster of " +
+                                  std::to_string(*given.nodes));
   }
   configure(cluster, given, fresh);
   BOOST_OUTCOME_TRYV(write_local_cluster(cluster));
@@ -219,7 +222,7 @@ Status run_status(const fs::path& folder, const OutputOptions& output) {
     say("%s", local_nodes_text(states).c_str());
     say("%s\n", cluster.url().c_str());
   }
-  if (!trouble.empty()) return error(Errc::io, "its coordinator runs, but does not answer: " + trouble);
+  if (!trouble.empty()) return error(Errc::io, "the coordinator of the cluster runs, but does not answer: " + trouble);
   return success();
 }
 
@@ -237,7 +240,7 @@ Status run_kill(const fs::path& folder, const std::string& number, const OutputO
   if (output.json) {
     print_json_line({{"event", "killed"}, {"name", node.name}, {"pid", node.process.number}});
   } else if (!output.quiet) {
-    say("%s, process %d, is killed; 'tessera cluster up %s' starts it again\n", node.name.c_str(),
+    say("%s, process %d, was killed; 'tessera cluster up %s' starts it again\n", node.name.c_str(),
         static_cast<int>(node.process.number), folder.c_str());
   }
   return success();
@@ -285,15 +288,18 @@ Status run_down(const fs::path& folder, const OutputOptions& output) {
 
 Status run_cluster(Settings& settings, const Arguments& arguments) {
   const std::string& action = arguments.action;
-  if (action.empty()) return error(Errc::usage, "nothing to do is given; try 'tessera cluster --help'");
+  if (action.empty()) return error(Errc::usage, "no action is given; try 'tessera cluster --help'");
   if (action != "up" && action != "status" && action != "kill" && action != "down")
-    return error(Errc::usage, "'" + action + "' is nothing to do; there are up, status, kill and down");
+    return error(Errc::usage, "'" + action + "' is not an action; the actions are up, status, kill and down");
   if (arguments.folder.empty()) return error(Errc::usage, "no folder is given; try 'tessera cluster --help'");
-  if (action == "kill" && arguments.node.empty()) return error(Errc::usage, "no number of a node is given");
+  if (action == "kill" && arguments.node.empty())
+    return error(Errc::usage, "no node is given; add its number, as in 'tessera cluster kill DIR 2'");
   if (action != "kill" && !arguments.node.empty())
-    return error(Errc::usage, "'" + arguments.node + "': the number of a node is for kill");
+    return error(Errc::usage,
+                 "'" + arguments.node + "' is one argument too many: only kill takes the number of a node");
   for (const char* key : {"nodes", "memory", "threads", "inputs"}) {
-    if (action != "up" && settings.text(key)) return error(Errc::usage, "--" + std::string(key) + ": is for up");
+    if (action != "up" && settings.text(key))
+      return error(Errc::usage, "--" + std::string(key) + ": only 'tessera cluster up' takes this option");
   }
   BOOST_OUTCOME_TRY(output, output_options(settings));
   const fs::path folder = fs::absolute(arguments.folder).lexically_normal();
@@ -306,24 +312,25 @@ Status run_cluster(Settings& settings, const Arguments& arguments) {
 }  // namespace
 
 Command add_cluster(CLI::App& root) {
-  auto command =
-      new_command(root, "cluster", "Runs a cluster of daemons on this machine, to try one",
-                  "  tessera cluster up -n 4 DIR       starts four, certificates and all, and says what to type next\n"
-                  "  tessera cluster status DIR\n"
-                  "  tessera cluster kill DIR 2        as if that machine died; up starts it again\n"
-                  "  tessera cluster down DIR          ends all; jobs and results stay");
-  add_value(command, "nodes", "N", "up: how many; default: 4", 'n', true);
-  add_value(command, "memory", "SIZE", "up: of each node; default: an equal share of what one daemon would take", 0,
-            true);
-  add_value(command, "threads", "N", "up: of each node; default: an equal share of the processors", 0, true);
-  add_value(command, "inputs", "DIR,...", "up: folders that jobs may read; default: the current one", 0, true);
-  add_switch(command, "quiet", "say nothing but errors");
+  auto command = new_command(
+      root, "cluster", "Runs a cluster of daemons on this machine, to try clusters out",
+      "  tessera cluster up -n 4 DIR       starts four daemons with certificates, and says what to type next\n"
+      "  tessera cluster status DIR        shows the processes, and what the coordinator knows of them\n"
+      "  tessera cluster kill DIR 2        kills node 2, as if its machine had died; up starts it again\n"
+      "  tessera cluster down DIR          ends all daemons; jobs and results stay");
+  add_value(command, "nodes", "N", "up: how many nodes; default: 4", 'n', true);
+  add_value(command, "memory", "SIZE",
+            "up: the memory of each node; default: an equal share of what one daemon would take", 0, true);
+  add_value(command, "threads", "N", "up: the worker threads of each node; default: an equal share of the processors",
+            0, true);
+  add_value(command, "inputs", "DIR,...", "up: folders that jobs may read; default: the current folder", 0, true);
+  add_switch(command, "quiet", "print errors only");
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   auto arguments = std::make_shared<Arguments>();
   add_argument(command, "action", "up|status|kill|down", arguments->action, "what to do");
   add_choices(command, "action", "up, status, kill, down");
-  add_argument(command, "folder", "DIR", arguments->folder, "where it is: made by up");
-  add_argument(command, "node", "N", arguments->node, "kill: the number of a node; 1 coordinates");
+  add_argument(command, "folder", "DIR", arguments->folder, "the folder of the cluster; up makes it");
+  add_argument(command, "node", "N", arguments->node, "kill: the number of a node; node 1 is the coordinator");
   command.run = [settings = command.settings.get(), arguments](const std::vector<std::string>&) {
     return run_cluster(*settings, *arguments);
   };

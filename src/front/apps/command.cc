@@ -13,7 +13,7 @@ Command new_command(CLI::App& root, const std::string& name, const std::string& 
   command.app->footer("Examples:\n" + examples);
   command.settings = std::make_unique<Settings>(name);
   add_value(command, "config", "FILE",
-            "read options from this TOML file (see config/tessera.toml); else TESSERA_CONFIG");
+            "read options from this TOML file (see config/tessera.toml); default: the file that TESSERA_CONFIG names");
   return command;
 }
 
@@ -64,8 +64,8 @@ void add_choices(Command& command, const std::string& key, const std::string& va
 }
 
 void add_output_switches(Command& command) {
-  add_switch(command, "quiet", "no progress and no summary; errors only");
-  add_switch(command, "verbose", "log what happens on stderr", 'v');
+  add_switch(command, "quiet", "print errors only, no progress and no summary");
+  add_switch(command, "verbose", "write a log to stderr", 'v');
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
 }
 

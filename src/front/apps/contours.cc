@@ -29,7 +29,7 @@ Status run_contours(Settings& settings, const OneStep& made_of) {
   if (output.verbose) log_everything();
   ContourOptions options;
   BOOST_OUTCOME_TRY(interval, settings.get("interval", [](const std::string& text) { return parse_distance(text); }));
-  if (!interval) return error(Errc::usage, "the distance of levels is not given; add --interval 5");
+  if (!interval) return error(Errc::usage, "the distance between levels is not given; add --interval 5");
   options.interval = *interval;
   BOOST_OUTCOME_TRY(base, settings.get("base", [](const std::string& text) { return parse_finite(text); }));
   options.base = base.value_or(0);
@@ -74,16 +74,18 @@ Command add_contours(CLI::App& root) {
       "elevation and index)\n"
       "  tessera contours ground/ --interval 1 --smooth 2 --min-length 20 -o map.gpkg    (smooth lines, for maps)\n"
       "  tessera contours ground/ --interval 5 --base 2.5 -o lines.geojson    (levels ..., -2.5, 2.5, 7.5, ...)\n"
-      "  tessera contours ground/ --interval 1 --max-edge 5 -o lines.gpkg     (without what bridges gaps)\n"
+      "  tessera contours ground/ --interval 1 --max-edge 5 -o lines.gpkg     (without cells that bridge gaps)\n"
       "  tessera contours ground/ --interval 1 --bbox 885000,629000,885100,629100 -o part.gpkg");
-  add_value(command, "interval", "LENGTH", "between levels, in units of the heights");
-  add_value(command, "base", "HEIGHT", "a level; default: 0");
-  add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax: only lines in the cells that meet it; default: all", 0, true);
-  add_value(command, "max-edge", "LENGTH", "no lines in cells with a longer edge in the plane; default: none");
-  add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
+  add_value(command, "interval", "LENGTH", "the distance between levels, in units of the heights");
+  add_value(command, "base", "HEIGHT", "the height of one of the levels; default: 0");
+  add_value(command, "bbox", "BOX",
+            "xmin,ymin,xmax,ymax: draw only lines in cells that meet this box; default: all lines", 0, true);
+  add_value(command, "max-edge", "LENGTH", "draw no lines in cells with a longer edge in the plane; default: no limit");
+  add_value(command, "value", "NAME", "the attribute of the vertices to draw; default: z, the heights", 0, true);
   add_value(command, "smooth", "LENGTH",
-            "lines of a smooth surface: means of the surface in squares of this size; default: of the surface itself");
-  add_value(command, "min-length", "LENGTH", "leave out lines that are shorter in the plane; default: none");
+            "draw lines of a smooth surface, the means of the surface in squares of this size; default: lines of the "
+            "surface itself");
+  add_value(command, "min-length", "LENGTH", "leave out lines that are shorter in the plane; default: keep all lines");
   add_value(command, "index-every", "N", "every N-th level, from --base on, is an index line; default: 5");
   add_value(command, "output", "PATH", "the file to write, whose name ends in .gpkg or .geojson", 'o', true);
   add_memory_option(command, "tiles and lines");

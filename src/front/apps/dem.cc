@@ -24,7 +24,7 @@ namespace {
 Result<bool> parse_type(const std::string& text) {
   if (text == "float32") return false;
   if (text == "float64") return true;
-  return error(Errc::usage, "'" + text + "' is no type of pixels; there are float32 and float64");
+  return error(Errc::usage, "'" + text + "' is not a type of pixels; the types are float32 and float64");
 }
 
 // Returns the light of a hillshade; no value if none is wanted. Error usage for a direction of the light without
@@ -36,7 +36,7 @@ Result<std::optional<Light>> read_light(Settings& settings) {
     BOOST_OUTCOME_TRY(degrees, settings.get(key, [](const std::string& text) { return parse_finite(text); }));
     *to = degrees.value_or(*to);
     if (!hillshade && settings.source(key) == Settings::Source::flag)
-      return error(Errc::usage, "--" + std::string(key) + " belongs to --hillshade");
+      return error(Errc::usage, "--" + std::string(key) + " has no effect without --hillshade");
   }
   return hillshade ? std::optional(light) : std::nullopt;
 }
@@ -105,23 +105,27 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
 }  // namespace
 
 Command add_dem(CLI::App& root) {
-  auto command = new_command(
-      root, "dem", "Writes the heights of a 2D result as a raster",
-      "  tessera dem ground/ --res 0.5 -o dem.tif                   (a Cloud Optimized GeoTIFF)\n"
-      "  tessera dem ground/ --res 0.5 --max-edge 5 -o dem.tif      (without what bridges gaps and the hull's bays)\n"
-      "  tessera dem ground/ --res 0.5 --bbox 885000,629000,885100,629100 -o part.tif\n"
-      "  tessera dem ground/ --res 1 --value intensity -o intensity.tif\n"
-      "  tessera dem ground/ --res 0.5 --hillshade -o shade.tif");
+  auto command =
+      new_command(root, "dem", "Writes the heights of a 2D result as a raster",
+                  "  tessera dem ground/ --res 0.5 -o dem.tif                   (a Cloud Optimized GeoTIFF)\n"
+                  "  tessera dem ground/ --res 0.5 --max-edge 5 -o dem.tif      (without cells that bridge gaps and "
+                  "bays of the hull)\n"
+                  "  tessera dem ground/ --res 0.5 --bbox 885000,629000,885100,629100 -o part.tif\n"
+                  "  tessera dem ground/ --res 1 --value intensity -o intensity.tif\n"
+                  "  tessera dem ground/ --res 0.5 --hillshade -o shade.tif");
   add_value(command, "res", "LENGTH", "the width and height of a pixel, in units of the coordinates");
-  add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax: what the raster covers; default: all", 0, true);
-  add_value(command, "max-edge", "LENGTH", "no pixels in cells with a longer edge in the plane; default: none");
-  add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
-  add_value(command, "type", "NAME", "of pixels: float32 (default) or float64");
+  add_value(command, "bbox", "BOX",
+            "xmin,ymin,xmax,ymax: the box that the raster covers; default: the bounds of the result", 0, true);
+  add_value(command, "max-edge", "LENGTH",
+            "draw no pixels in cells with a longer edge in the plane; default: no limit");
+  add_value(command, "value", "NAME", "the attribute of the vertices to draw; default: z, the heights", 0, true);
+  add_value(command, "type", "NAME", "the type of the pixels: float32 (default) or float64");
   add_choices(command, "type", "float32, float64");
   add_switch(command, "hillshade",
-             "a hillshade of the surface, as gdaldem hillshade -compute_edges makes it of the raster");
-  add_value(command, "azimuth", "DEGREES", "of the light, clockwise from north; default: 315");
-  add_value(command, "altitude", "DEGREES", "of the light above the horizon; default: 45");
+             "draw a hillshade of the surface instead of the heights, as 'gdaldem hillshade -compute_edges' makes it "
+             "of the raster");
+  add_value(command, "azimuth", "DEGREES", "the direction of the light, clockwise from north; default: 315");
+  add_value(command, "altitude", "DEGREES", "the height of the light above the horizon; default: 45");
   add_value(command, "output", "PATH", "the file to write, whose name ends in .tif", 'o', true);
   add_memory_option(command, "tiles and pixels");
   add_threads_option(command);

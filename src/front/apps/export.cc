@@ -76,25 +76,26 @@ Command add_export(CLI::App& root) {
   auto command = new_command(
       root, "export", "Writes a result folder as files for other programs",
       "  tessera export out/ -o mesh.ply                 (one file; the ending tells the format)\n"
-      "  tessera export out/ -o tiles/ --format vtu      (a folder: one .vtu a tile, a .pvtu over them)\n"
+      "  tessera export out/ -o tiles/ --format vtu      (a folder with one .vtu a tile, and a .pvtu over them)\n"
       "  tessera export ground/ -o ground.gpkg           (2D)\n"
-      "  tessera export out/ -o near.vtu --max-edge 2    (without what bridges gaps and the hull's bays)\n"
-      "  tessera export NAME -o mesh.ply --server http://127.0.0.1:7070      (of a daemon's result, to a file here)\n\n"
+      "  tessera export out/ -o near.vtu --max-edge 2    (without cells that bridge gaps and bays of the hull)\n"
+      "  tessera export NAME -o mesh.ply --server http://127.0.0.1:7070      (a result of a daemon, to a file here)\n\n"
       "Formats:\n" +
           export_format_help());
-  add_value(command, "format", "NAME", "one of those below; default: as the ending of --output says");
+  add_value(command, "format", "NAME", "a format of the list below; default: the format of the ending of --output");
   add_choices(command, "format", export_format_names());
-  add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
-            'o', true);
-  add_value(
-      command, "max-edge", "LENGTH",
-      "leave out cells with a longer edge, in units of the coordinates (2D: in the plane), and vertices left alone");
-  add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);
+  add_value(command, "output", "PATH",
+            "the file to write; a folder, or a name without an ending, gets one file for each tile", 'o', true);
+  add_value(command, "max-edge", "LENGTH",
+            "leave out cells with a longer edge, in units of the coordinates (2D: in the plane), and vertices that "
+            "then have no cell");
+  add_switch(command, "z", "2D: leave out the heights, which otherwise become the third coordinate", 0, false, true);
   add_switch(command, "local",
-             "ply, obj, off, stl: coordinates count from the corner of the result's box, rounded down to whole "
-             "numbers, which is "
-             "told: for programs that keep 32 bits of them, and lose centimetres in national grids");
-  add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
+             "ply, obj, off, stl: write coordinates relative to the lower corner of the result's box, rounded down to "
+             "whole numbers; the summary tells this corner. For programs that keep only 32 bits of a coordinate, and "
+             "so lose centimetres in national grids");
+  add_switch(command, "index",
+             "gpkg: leave out the spatial index; the file is written four times as fast, but maps draw it slowly", 0,
              false, true);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_remote_options(command);

@@ -27,7 +27,7 @@ Status run_generate(Settings& settings, const std::string& kind) {
   const auto shape = shape_named(kind);
   if (!shape)
     return error(Errc::usage,
-                 "'" + kind + "' is no kind of cloud; there are uniform, normal, sphere, grid and terrain");
+                 "'" + kind + "' is not a kind of cloud; the kinds are uniform, normal, sphere, grid and terrain");
   options.shape = *shape;
   BOOST_OUTCOME_TRY(points, settings.get("points", [](const std::string& text) { return parse_count(text); }));
   if (!points) return error(Errc::usage, "no number of points is given; add -n 10M");
@@ -72,9 +72,9 @@ Command add_generate(CLI::App& root) {
                              "  tessera generate terrain -n 1.5M -o hills.las\n"
                              "  tessera generate sphere -n 10k --dim 2 -o circle.xyz");
   set_group(command, "For tests");
-  add_value(command, "points", "N", "how many points, as 500, 10k or 1.5M", 'n', true);
+  add_value(command, "points", "N", "how many points, for example 500, 10k or 1.5M", 'n', true);
   add_value(command, "seed", "N", "another seed gives another cloud of the same kind; default: 1");
-  add_value(command, "dim", "2|3", "2 leaves z out; default: 3");
+  add_value(command, "dim", "2|3", "the dimension: 2 leaves z out; default: 3");
   add_value(command, "output", "FILE", "the file to write: .las, .ply, .npy, .xyz or .csv", 'o', true);
   add_switch(command, "overwrite", "replace the file if it exists", 0, true);
   add_output_switches(command);

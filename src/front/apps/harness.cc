@@ -34,7 +34,7 @@ Result<std::pair<std::uint64_t, std::uint64_t>> parse_seeds(const std::string& t
   auto first = parse_integer(text.substr(0, dots), 0, highest);
   auto last = dots == std::string::npos ? first : parse_integer(text.substr(dots + 2), 0, highest);
   if (!first || !last || first.value() > last.value()) {
-    return error(Errc::usage, "'" + text + "' is no range of seeds like 1..1000");
+    return error(Errc::usage, "'" + text + "' is not a range of seeds like 1..1000");
   }
   return std::pair(static_cast<std::uint64_t>(first.value()), static_cast<std::uint64_t>(last.value()));
 }
@@ -55,7 +55,7 @@ Result<HarnessFaults> parse_faults(const std::string& text) {
                         : name == "last"        ? &faults.last
                         : name == "all"         ? &faults.all
                                                 : nullptr;
-    if (!fault) return error(Errc::usage, "'" + name + "' is no fault; there are " + std::string(fault_names));
+    if (!fault) return error(Errc::usage, "'" + name + "' is not a fault; the faults are " + std::string(fault_names));
     *fault = true;
   }
   return faults;
@@ -72,7 +72,7 @@ Result<HarnessOptions> read_options(Settings& settings) {
   BOOST_OUTCOME_TRYV(settings.exclusive("seed", "seeds"));
   options.kind = settings.text("kind").value_or(options.kind);
   if (std::find(cloud_kinds().begin(), cloud_kinds().end(), options.kind) == cloud_kinds().end()) {
-    return error(Errc::usage, "--kind: '" + options.kind + "' is no kind of cloud; there are " + kinds());
+    return error(Errc::usage, "--kind: '" + options.kind + "' is not a kind of cloud; the kinds are " + kinds());
   }
   const auto integer = [](std::int64_t lowest, std::int64_t highest) {
     return [=](const std::string& text) { return parse_integer(text, lowest, highest); };
@@ -111,7 +111,7 @@ Result<HarnessReport> run_seeds(const HarnessOptions& options) {
     one.stop = interrupt.token();
     auto report = run_harness(one);
     if (one.stop.stop_requested() && report.seeds == 0 && !report.failed_seed) {
-      return error(Errc::interrupted, "interrupted at seed " + std::to_string(seed) + "; all before it passed");
+      return error(Errc::interrupted, "interrupted at seed " + std::to_string(seed) + "; all seeds before it passed");
     }
     sum.seeds += report.seeds;
     sum.steps += report.steps;
@@ -168,22 +168,23 @@ Command add_harness(CLI::App& root) {
   add_value(command, "kind", "NAME", kinds() + "; default: uniform", 0, true);
   add_choices(command, "kind", kinds());
   add_value(command, "points", "N", "about how many points; default: 40", 'n', true);
-  add_value(command, "dim", "2|3", "default: 3", 0, true);
-  add_value(command, "tiles", "N", "default: 7", 0, true);
+  add_value(command, "dim", "2|3", "the dimension; default: 3", 0, true);
+  add_value(command, "tiles", "N", "the number of tiles; default: 7", 0, true);
   add_value(command, "partition", "KIND", "kdtree (default), grid, octree or random", 0, true);
   add_choices(command, "partition", "kdtree, grid, octree, random");
-  add_value(command, "seeds", "A..B", "run these, up to the first that fails; default: 1..1", 0, true);
-  add_value(command, "seed", "N", "run this one", 0, true);
-  add_value(command, "nodes", "N", "nodes that the tiles are spread over; default: drawn, 1 to 3", 0, true);
-  add_value(command, "mail", "N", "bytes of mail that a tile keeps in memory; default: drawn", 0, true);
-  add_value(
-      command, "faults", "LIST",
-      "what goes wrong in each run, of: storage (fails once; the run is resumed), kill (nodes), pause (nodes beyond "
-      "their lease), join (nodes come later), coordinator (is killed), leave (nodes, in order), last (all nodes, one "
-      "after the other; another comes), "
-      "all (at once; they come again)",
-      0, true);
-  add_switch(command, "restarts", "the processes are killed or cancelled, and the run is resumed", 0, true);
+  add_value(command, "seeds", "A..B", "run these seeds, up to the first that fails; default: 1..1", 0, true);
+  add_value(command, "seed", "N", "run this seed alone", 0, true);
+  add_value(command, "nodes", "N", "the number of nodes that the tiles are spread over; default: random, 1 to 3", 0,
+            true);
+  add_value(command, "mail", "N", "how many bytes of waiting messages a tile keeps in memory; default: random", 0,
+            true);
+  add_value(command, "faults", "LIST",
+            "what goes wrong in each run: storage (it fails once, and the run is resumed), kill (nodes are killed), "
+            "pause (nodes are silent for longer than their lease), join (nodes join later), coordinator (it is "
+            "killed), leave (nodes leave in order), last (all nodes are lost one after the other, and another one "
+            "joins), all (all nodes are lost at once, and others join)",
+            0, true);
+  add_switch(command, "restarts", "kill or cancel the processes, and resume the run", 0, true);
   add_switch(command, "trace", "print every step", 0, true);
   add_output_switches(command);
   command.run = [settings = command.settings.get()](const std::vector<std::string>&) {

@@ -36,11 +36,11 @@ std::size_t distance(std::string_view a, std::string_view b) {
 Error no_command(const std::string& word, const std::vector<std::string>& commands) {
   std::string answer;
   if (const auto meant = nearest(word, commands)) {
-    answer = "perhaps '" + *meant + "' is meant";
+    answer = "perhaps you mean '" + *meant + "'";
   } else {
-    for (const auto& command : commands) answer += (answer.empty() ? "there are " : ", ") + command;
+    for (const auto& command : commands) answer += (answer.empty() ? "the commands are " : ", ") + command;
   }
-  return error(Errc::usage, "'" + word + "' is no command; " + answer + "; see 'tessera --help'");
+  return error(Errc::usage, "'" + word + "' is not a command; " + answer + "; see 'tessera --help'");
 }
 
 // Returns the option of `app` that the user probably meant. A beginning counts, too: "--res" for "--resolution".
@@ -64,7 +64,7 @@ std::string not_expected(const CLI::App& app, const std::string& name) {
   }
   const std::string word = option->substr(0, option->find('='));
   const auto meant = nearest_option(word, app);
-  return "'" + word + "' is no option of '" + name + "'" + (meant ? "; perhaps '" + *meant + "' is meant" : "");
+  return "'" + word + "' is not an option of '" + name + "'" + (meant ? "; perhaps you mean '" + *meant + "'" : "");
 }
 
 // Returns a sentence about an option with a wrong number of values. The parser's message begins with the option.

@@ -41,16 +41,16 @@ Command add_info(CLI::App& root) {
                   "  tessera info block/*.las --memory 4G --threads 8      (what triangulating them would take)\n"
                   "  tessera info block/ --recursive --stats\n"
                   "  tessera info out/ --json\n"
-                  "  tessera info NAME --server http://127.0.0.1:7070      (a result, or inputs, of a daemon)");
+                  "  tessera info NAME --server http://127.0.0.1:7070      (a result or input files of a daemon)");
   add_cloud_options(command);
-  add_switch(command, "stats", "read all points: their classes, returns, flags, box and density");
+  add_switch(command, "stats", "read all points, and tell their classes, returns, flags, box and density");
   add_server_options(command);
-  add_switch(command, "verbose", "of a result, all counters of the run that made it", 'v');
+  add_switch(command, "verbose", "for a result: print all counters of the run that made it", 'v');
   add_switch(command, "json", "one JSON object on stdout, instead of text");
   auto what = std::make_shared<std::vector<std::string>>();
   add_argument(command, "what", "FILE|FOLDER", *what,
-               "input files, folders of them, - for standard input; or one result folder. With --server, as the "
-               "daemon names them");
+               "input files, folders of them, - for standard input; or one result folder. With --server, the names "
+               "that the daemon has for them");
   command.run = [settings = command.settings.get(), what](const std::vector<std::string>&) {
     return run_info(*settings, *what);
   };

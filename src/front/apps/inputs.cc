@@ -30,8 +30,8 @@ Status run_inputs(Settings& settings, const std::string& folder) {
 Command add_inputs(CLI::App& root) {
   auto command = new_command(root, "inputs", "Lists the point files and folders that jobs of a daemon may read",
                              "  tessera inputs --server http://127.0.0.1:7070\n"
-                             "  tessera inputs block --json           (what is in a folder, as the list names it)\n"
-                             "  tessera inputs upload:mine            (what was sent to it)");
+                             "  tessera inputs block --json           (what is in a folder of that list)\n"
+                             "  tessera inputs upload:mine            (files that were uploaded)");
   set_group(command, daemon_group);
   add_server_options(command);
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");

@@ -138,7 +138,7 @@ std::string job_text(const proto::StatusInfo& job) {
   if (job.nodes_lost() > 0) line("nodes lost", grouped(job.nodes_lost()));
   line("submitter", job.submitter());
   line("created", job.created());
-  line("started", job.started() + (job.starts() > 1 ? " (for the " + std::to_string(job.starts()) + ". time)" : ""));
+  line("started", job.started() + (job.starts() > 1 ? " (start number " + std::to_string(job.starts()) + ")" : ""));
   line("finished", job.finished());
   return text;
 }

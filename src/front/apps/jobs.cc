@@ -61,7 +61,7 @@ Status run_cancel(Settings& settings, const std::string& id) {
   if (output.json) {
     print_json_line(job_json(cancelled));
   } else if (!output.quiet) {
-    say("job %s is cancelled; %s goes on with it\n", id.c_str(), command_for(settings, "resume", id).c_str());
+    say("job %s is cancelled; %s continues it\n", id.c_str(), command_for(settings, "resume", id).c_str());
   }
   return success();
 }
@@ -80,9 +80,9 @@ Command add_jobs(CLI::App& root) {
                              "  tessera jobs --status accepted,running      (with TESSERA_SERVER set)\n"
                              "  tessera jobs --limit 1000 --json");
   set_group(command, daemon_group);
-  add_value(command, "status", "LIST", std::string("only those that are ") + states);
+  add_value(command, "status", "LIST", std::string("show only jobs in these states: ") + states);
   add_choices(command, "status", states);
-  add_value(command, "limit", "N", "no more than so many; default: 100");
+  add_value(command, "limit", "N", "show at most this many jobs; default: 100");
   add_server_options(command);
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   command.run = [settings = command.settings.get()](const std::vector<std::string>&) { return run_jobs(*settings); };

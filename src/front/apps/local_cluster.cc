@@ -57,7 +57,7 @@ Result<fs::path> find_daemon() {
   for (const fs::path& folder : folders) {
     if (::access((folder / program).c_str(), X_OK) == 0) return folder / program;
   }
-  return error(Errc::io, std::string(program) + ": is neither beside this program nor in PATH");
+  return error(Errc::io, std::string(program) + ": the program is neither in the folder of this one nor in PATH");
 }
 
 std::string address_of(const LocalNode& node) { return std::string(host) + ":" + std::to_string(node.port); }
@@ -91,7 +91,7 @@ Result<std::string> first_line(const FileHandle& output) {
   while (true) {
     const auto read = ::read(output.get(), &c, 1);
     if (read < 0 && errno == EINTR) continue;
-    if (read < 0) return io_error(program, "cannot be listened to", errno);
+    if (read < 0) return io_error(program, "its output cannot be read", errno);
     if (read == 0 || c == '\n') return line;
     line += c;
   }

@@ -88,7 +88,7 @@ Result<std::optional<RunningProcess>> RunningProcess::find(const ProcessId& id) 
   FileHandle handle(::pidfd_open(id.number, 0));
   if (handle.get() < 0) {
     if (errno == ESRCH) return none;
-    return io_error("process " + std::to_string(id.number), "cannot be looked at", errno);
+    return io_error("process " + std::to_string(id.number), "its state cannot be read", errno);
   }
   // The order matters. The handle was opened before the start time is read, so it means the process with this start
   // time, or a process that has ended.

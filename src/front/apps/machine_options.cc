@@ -7,7 +7,8 @@
 namespace tessera {
 
 void add_memory_option(Command& command, const std::string& of) {
-  add_value(command, "memory", "SIZE", "memory for " + of + ", as 800M or 4G; default: 70 % of what is available");
+  add_value(command, "memory", "SIZE",
+            "memory for " + of + ", for example 800M or 4G; default: 70 % of what is available");
 }
 
 void add_threads_option(Command& command) {

@@ -102,8 +102,9 @@ std::string man_page_of_program(const CLI::App& root, const std::vector<Command>
   }
   page += ".SH OPTIONS\n" + list(root, false);
   page +=
-      ".SH CONFIGURATION\nEach option of a command, but for those that belong to one run, can also be given by a "
-      "variable and in a TOML file, in the table of its command; flags beat variables, and variables beat the file. ";
+      ".SH CONFIGURATION\nEach option of a command, except those that belong to one run, can also be given by a "
+      "variable, or in a TOML file in the table of its command. Flags override variables, and variables override the "
+      "file. ";
   page += bold("--config") + " or " + bold("TESSERA_CONFIG") + " names the file.\n";
   return page + exit_statuses + ".SH SEE ALSO\n" + see + "\n";
 }
@@ -118,10 +119,8 @@ std::string man_page(const Command& command) {
   }
   page += "\n.SH DESCRIPTION\n" + roff(app.get_description()) + ".\n";
   if (const auto arguments = list(app, true); !arguments.empty()) page += ".SH ARGUMENTS\n" + arguments;
-  page +=
-      ".SH OPTIONS\nOf a switch and its opposite, \\-\\-x and \\-\\-no\\-x, the one is listed that changes the "
-      "default.\n" +
-      list(app, false);
+  page += ".SH OPTIONS\nA switch \\-\\-x has an opposite, \\-\\-no\\-x. The one that changes the default is listed.\n" +
+          list(app, false);
   // The footer has blocks: "Examples:" and, for export, "Formats:", each with the lines below it.
   std::istringstream footer(app.get_footer());
   std::string block;

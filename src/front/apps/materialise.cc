@@ -35,7 +35,7 @@ void print(const Materialised& made, const OutputOptions& output) {
   }
   if (output.quiet) return;
   if (made.tiles == 0) {
-    say("%s: no tile there is kept as points; nothing was changed\n", folder.c_str());
+    say("%s: no tile of this result is kept as points; nothing was changed\n", folder.c_str());
     return;
   }
   say("%s: %s tiles have their cells in files now, %s MiB\n", folder.c_str(), std::to_string(made.tiles).c_str(),
@@ -73,12 +73,13 @@ Status run_materialise(Settings& settings, const std::string& folder) {
 
 Command add_materialise(CLI::App& root) {
   auto command = new_command(
-      root, "materialise", "Makes files of cells, for ParaView, of a result that is kept as points",
+      root, "materialise", "Writes the files of cells, for ParaView, of a result that is kept as points",
       "  tessera materialise out/                      (a new version of the result; the files are those that\n"
       "                                                 'triangulate --store cells' writes)\n"
       "  tessera materialise out/ -o cells/            (another folder; out/ stays as it is)\n"
       "  tessera materialise out/ --bbox 0,0,100,100   (only tiles that meet the box)");
-  add_value(command, "output", "FOLDER", "make a result of its own there, and leave this one as it is", 'o', true);
+  add_value(command, "output", "FOLDER", "write a new result to this folder, and leave the given one as it is", 'o',
+            true);
   add_value(command, "bbox", "BOX",
             "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: only tiles whose part of space meets it", 0, true);
   add_threads_option(command);

@@ -74,9 +74,10 @@ Command add_measure(CLI::App& root) {
       root, "measure", "Computes columns of a result: the volume of each cell, and around each vertex",
       "  tessera measure out/ --volume                 (columns volume and star_volume; in 2D area, star_area)\n"
       "  tessera measure out/ --volume --threads 4 --memory 2G\n"
-      "  tessera columns out/                          (what there is)");
+      "  tessera columns out/                          (lists the columns)");
   add_switch(command, "volume",
-             "the volume of each cell, and of each vertex that of the cells around it; of a 2D result areas", 0, true);
+             "the volume of each cell, and for each vertex the volume of the cells around it; for a 2D result areas", 0,
+             true);
   add_threads_option(command);
   add_memory_option(command, "tiles");
   add_output_switches(command);

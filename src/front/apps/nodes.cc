@@ -35,7 +35,7 @@ Status run_drain(Settings& settings, const std::string& name) {
   if (output.json) {
     print_json_line(node_json(node));
   } else if (!output.quiet) {
-    say("node %s takes no more work, and its tiles go to others; %s\n", name.c_str(),
+    say("node %s takes no more work, and its tiles go to other nodes; %s\n", name.c_str(),
         node.coordinator() ? "its process goes on as the coordinator" : "its process ends");
   }
   return success();

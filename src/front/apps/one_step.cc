@@ -103,13 +103,13 @@ Result<TemporaryFolder> folder_beside(const OneStep& what) {
 }  // namespace
 
 std::shared_ptr<std::vector<std::string>> add_sources(Command& command, int dimension) {
-  add_value(command, kept, "FOLDER", "of point files: keep the result that is made of them first, in this folder", 0,
+  add_value(command, kept, "FOLDER", "for point files: keep the result that is made of them first, in this folder", 0,
             true);
   add_source_options(command);
   if (dimension == 0) add_dimension(command);
   auto sources = std::make_shared<std::vector<std::string>>();
   add_argument(command, "result", "FOLDER", *sources,
-               "result folder; with --server, the name of the result; or point files, as of tessera triangulate");
+               "result folder, or point files as for 'tessera triangulate'; with --server, the name of a result");
   return sources;
 }
 
@@ -118,9 +118,8 @@ Status on_result(Settings& settings, const OneStep& what, const OutputOptions& o
   const auto keep = settings.text(kept);
   BOOST_OUTCOME_TRY(there, is_result(what.sources));
   if (names_server(settings) || there) {
-    if (what.sources.size() > 1) return error(Errc::usage, "one result is asked for, not several");
-    if (keep)
-      return error(Errc::usage, "--keep-result belongs to point files, and " + what.sources[0] + " is a result");
+    if (what.sources.size() > 1) return error(Errc::usage, "give one result folder, not several");
+    if (keep) return error(Errc::usage, "--keep-result is for point files, but " + what.sources[0] + " is a result");
     return use(what.sources.empty() ? std::string() : what.sources[0]);
   }
   if (keep) {

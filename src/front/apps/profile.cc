@@ -105,22 +105,21 @@ Status run_profile(Settings& settings, const OneStep& made_of) {
 }  // namespace
 
 Command add_profile(CLI::App& root) {
-  auto command =
-      new_command(root, "profile", "Writes the heights of a 2D result along a line",
-                  "  tessera profile ground/ --line '885000,629000 885100,629080 885120,629080' -o profile.csv\n"
-                  "  tessera profile ground/ --line road.geojson --max-edge 5      (to standard output, without what "
-                  "bridges gaps)\n\n"
-                  "There is a point wherever the line bends or crosses an edge: distance,x,y,z,part. The surface joins "
-                  "points of one "
-                  "part\nby straight lines, and there is none between one part and the next: gaps, and ends of the "
-                  "line beside the surface, "
-                  "are\ntold on standard error.");
+  auto command = new_command(
+      root, "profile", "Writes the heights of a 2D result along a line",
+      "  tessera profile ground/ --line '885000,629000 885100,629080 885120,629080' -o profile.csv\n"
+      "  tessera profile ground/ --line road.geojson --max-edge 5      (to standard output, without cells that bridge "
+      "gaps)\n\n"
+      "There is a row for each place where the line bends or crosses an edge: distance,x,y,z,part. Straight lines\n"
+      "join the places of one part. There is no surface between two parts: these gaps, and ends of the line outside\n"
+      "the surface, are told on standard error.");
   add_value(command, "line", "LINE",
             "x,y x,y ... in quotes, or a GeoJSON file with one line, in the result's coordinates", 0, true);
-  add_value(command, "max-edge", "LENGTH", "nothing in cells with a longer edge in the plane; default: none");
-  add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
+  add_value(command, "max-edge", "LENGTH", "leave out cells with a longer edge in the plane; default: no limit");
+  add_value(command, "value", "NAME", "the attribute of the vertices to draw; default: z, the heights", 0, true);
   add_value(command, "digits", "N",
-            "decimals of all numbers, 0 to 17, or all: those of the doubles themselves; default: as the data carry");
+            "decimals of all numbers: 0 to 17, or all, so that the same doubles are read back; default: the precision "
+            "of the data");
   add_value(command, "output", "PATH", "the file to write, as CSV; without it, standard output", 'o', true);
   add_threads_option(command);
   add_memory_option(command, "tiles");

@@ -49,7 +49,7 @@ Result<const QuestionRow*> find_question(const std::string& name) {
     if (row.name == name) return &row;
     names.emplace_back(row.name);
   }
-  return error(Errc::usage, "'" + name + "' is no question; there are " + listed(names));
+  return error(Errc::usage, "'" + name + "' is not a question; the questions are " + listed(names));
 }
 
 bool uses(const QuestionRow& row, const std::string& key) {
@@ -73,7 +73,7 @@ Status refuse_others(const Settings& settings, const QuestionRow& question) {
 Result<query::Method> parse_method(const std::string& text) {
   if (text == "linear") return query::Method::linear;
   if (text == "natural") return query::Method::natural;
-  return error(Errc::usage, "'" + text + "' is no way to interpolate; there are linear and natural");
+  return error(Errc::usage, "'" + text + "' is not a method of interpolation; the methods are linear and natural");
 }
 
 Status run_query(Settings& settings, const Asked& asked) {
@@ -82,7 +82,7 @@ Status run_query(Settings& settings, const Asked& asked) {
   BOOST_OUTCOME_TRY(row, find_question(question));
   BOOST_OUTCOME_TRYV(refuse_others(settings, *row));
   if (question == "cells" && !asked.argument.empty())
-    return error(Errc::usage, "'" + asked.argument + "' is too much: 'cells' takes --bbox or --polygon");
+    return error(Errc::usage, "'" + asked.argument + "' is one argument too many: 'cells' takes --bbox or --polygon");
 
   QueryRequest request{.folder = asked.folder,
                        .argument = asked.argument,
@@ -97,7 +97,8 @@ Status run_query(Settings& settings, const Asked& asked) {
   if (output.verbose) log_everything();
   BOOST_OUTCOME_TRY(columns, settings.get("columns", parse_columns));
   if (columns && question != "interpolate" && (question != "locate" || request.points.empty()))
-    return error(Errc::usage, "--columns belongs to a file with points, of 'locate --points' or 'interpolate'");
+    return error(Errc::usage,
+                 "--columns describes a file with points, as in 'locate --points FILE' or 'interpolate FILE'");
   request.columns = columns.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   BOOST_OUTCOME_TRY(tile,
@@ -118,10 +119,11 @@ Status run_query(Settings& settings, const Asked& asked) {
     BOOST_OUTCOME_TRY(answers, answer_format(format, request.target, output.json));
     request.answers = {.format = answers, .target = request.target, .overwrite = overwrite};
   } else if (question != "cells") {
-    if (!request.target.empty()) return error(Errc::usage, "one answer goes to standard output; -o is for many");
+    if (!request.target.empty())
+      return error(Errc::usage, "a single answer goes to standard output; -o is for many answers");
     if (format == "json") request.output.json = true;
     if (format != "json" && settings.source("format") == Settings::Source::flag)
-      return error(Errc::usage, "--format " + format + ": one answer is text, or with --format json JSON");
+      return error(Errc::usage, "--format " + format + ": a single answer is text, or JSON with --format json");
   }
   request.cells = {.format = format, .overwrite = overwrite};
 
@@ -134,36 +136,37 @@ Status run_query(Settings& settings, const Asked& asked) {
 
 Command add_query(CLI::App& root) {
   auto command = new_command(
-      root, "query", "Asks a result folder: which cell, which star, which cells, which value",
+      root, "query",
+      "Asks a result folder: the cell of a point, the star of a vertex, the cells of an area, interpolated values",
       "  tessera query out/ locate 885100,629050,12                 (the cell, its vertices and neighbours)\n"
-      "  tessera query out/ locate --points where.csv -o cells.npy  (of many points, from any format that is read)\n"
+      "  tessera query out/ locate --points where.csv -o cells.npy  (for many points, in any input format)\n"
       "  tessera query out/ star 123456                             (cells and neighbours of a vertex, its Voronoi "
       "volume)\n"
       "  tessera query out/ neighbours 123456                       (only the ids of its neighbours)\n"
       "  tessera query out/ cells --bbox 0,0,50,50 -o part.vtu      (the cells that meet a box)\n"
       "  tessera query out/ cells --polygon area.geojson -o part.ply\n"
       "  tessera query ground/ interpolate points.csv --value z -o heights.csv");
-  add_value(command, "points", "FILE", "locate: many points, from a file of any format that is read", 0, true);
+  add_value(command, "points", "FILE", "locate: a file with many points, in any input format", 0, true);
   add_value(command, "columns", "NAMES",
-            "locate, interpolate: what the columns of the file with points are, in their order: x, y, z, or _ to leave "
-            "one out, as _,y,x",
+            "locate, interpolate: the names of the columns of the file with points, in order: x, y, z, or _ for a "
+            "column to leave out; for example _,y,x",
             0, true);
   add_value(command, "tile", "N",
-            "star, neighbours: the tile that owns the vertex, if it is known; else it is looked for", 0, true);
-  add_value(command, "bbox", "BOX", "cells: xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax, closed", 0, true);
+            "star, neighbours: the tile that owns the vertex; without it, the tiles are searched", 0, true);
+  add_value(command, "bbox", "BOX",
+            "cells: the box xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax; its border belongs to it", 0, true);
   add_value(command, "polygon", "FILE", "cells: the polygons of a GeoJSON file, in the coordinates of the result", 0,
             true);
-  add_value(command, "value", "NAME", "interpolate: an attribute of the vertices; z: the heights of a 2D result", 0,
-            true);
+  add_value(command, "value", "NAME",
+            "interpolate: the attribute of the vertices to interpolate; z: the heights of a 2D result", 0, true);
   add_value(command, "method", "NAME",
             "interpolate: linear (default) in the cell, or natural: by Sibson's natural neighbours");
   add_choices(command, "method", "linear, natural");
-  add_switch(command, "weights", "interpolate: tell also of which vertices a value is made, and how much of each");
+  add_switch(command, "weights", "interpolate: also tell which vertices make a value, and with which weights");
   add_value(command, "output", "PATH", "the file to write; without it, answers go to standard output", 'o', true);
-  add_value(
-      command, "format", "NAME",
-      "of answers: csv, json (a line each) or npy; of one answer: json; of cells: those of tessera export; default: as "
-      "the ending of --output says");
+  add_value(command, "format", "NAME",
+            "for many answers: csv, json (one a line) or npy; for a single answer: json; for cells: a format of "
+            "'tessera export'; default: the format of the ending of --output");
   add_memory_option(command, "tiles");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace files that exist", 0, true);

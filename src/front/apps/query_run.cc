@@ -135,12 +135,15 @@ Status query_cells(QueryRequest& request) {
                                            request.cells, request.ask.stop));
   print_exported(exported, std::nullopt, request.output);
   if (!set.final && !request.output.json && !request.output.quiet)
-    say_beside("note: the region does not know all cells of this place; these are those it has\n");
+    say_beside(
+        "note: this result is a region, and does not know all cells of this place; the answer has the cells that it "
+        "knows\n");
   return success();
 }
 
 Status query_interpolate(QueryRequest& request) {
-  if (request.argument.empty()) return error(Errc::usage, "no file with points is given: 'interpolate points.csv'");
+  if (request.argument.empty())
+    return error(Errc::usage, "no file with points is given; add one, as in 'interpolate points.csv'");
   if (request.value.value.empty())
     return error(Errc::usage,
                  "give the attribute to interpolate, as --value intensity; 2D results have their heights as z");

@@ -88,7 +88,7 @@ Result<RegionCommand> read_command(Settings& settings, std::vector<std::string> 
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   command.overwrite = overwrite;
   command.out = settings.text("output").value_or("");
-  if (command.out.empty()) return error(Errc::usage, "no place for the result is given; add -o FOLDER");
+  if (command.out.empty()) return error(Errc::usage, "no result folder is given; add -o FOLDER");
   command.format = settings.text("format").value_or("");
   command.is_folder = command.format.empty() && command.out.extension().empty();
   return command;
@@ -133,26 +133,29 @@ Command add_region(CLI::App& root) {
       "  tessera region scan.copc.laz --bbox 515370,4918345,2323,515375,4918350,2330 -o part.vtu\n"
       "  tessera region block/*.copc.laz --polygon area.geojson --dim 2 --class 2 -o part/\n"
       "  tessera region block/*.laz --bbox 0,0,9,9 -o part/ --max-points 20M --max-seconds 60 --partial\n\n"
-      "The cells are those of the whole triangulation that have a point in common with the region, its "
-      "border included.\nCOPC files are read by octree nodes, all others by whole files; what is not read is "
-      "believed to be in the box\nthat its file states.");
+      "The cells are those of the whole triangulation that have a point in common with the region, its border "
+      "included.\n"
+      "Of a COPC file only the octree nodes that are needed are read; other files are read whole. Points that are\n"
+      "not read are taken to lie in the box that their file states, unless --scan is given.");
   add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: the region", 0, true);
   add_value(command, "polygon", "FILE", "the region: the polygons of a GeoJSON file, in the coordinates of the points",
             0, true);
   add_value(command, "output", "PATH",
-            "a result folder; with an ending or --format a file or folder for other programs, as tessera export writes",
+            "the result folder to write; with an ending or --format, a file or folder for other programs, as 'tessera "
+            "export' writes",
             'o', true);
-  add_value(command, "format", "NAME", "one that tessera export knows: vtu, ply, npy, ...");
+  add_value(command, "format", "NAME", "a format of 'tessera export': vtu, ply, npy, ...");
   add_choices(command, "format", export_format_names());
-  add_value(command, "max-points", "N", "triangulate at most so many points, as 20M; default: what the memory allows");
-  add_value(command, "max-seconds", "S", "give up after about so many seconds; default: never");
-  add_switch(
-      command, "partial",
-      "beyond these limits write the cells that are known, with the cell attribute final (0 or 1), instead of an "
-      "error");
-  add_switch(command, "scan", "read all files once and see where their points are, instead of believing their boxes");
+  add_value(command, "max-points", "N",
+            "triangulate at most this many points, for example 20M; default: as many as the memory allows");
+  add_value(command, "max-seconds", "S", "give up after about this many seconds; default: never");
+  add_switch(command, "partial",
+             "when one of these limits is reached, write the cells that are known, with the cell attribute final (0 or "
+             "1), instead of failing");
+  add_switch(command, "scan",
+             "read all files once to see where their points are, instead of relying on the boxes that they state");
   add_point_options(command);
-  add_switch(command, "overwrite", "replace what is in the place of the result", 0, true);
+  add_switch(command, "overwrite", "replace a result or file that exists", 0, true);
   add_remote_options(command);
   add_output_switches(command);
   auto inputs = std::make_shared<std::vector<std::string>>();

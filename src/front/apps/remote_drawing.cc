@@ -49,11 +49,12 @@ Status refuse_what_is_local(const Settings& settings, const RemoteRegion& region
   if (std::find(region.inputs.begin(), region.inputs.end(), "-") != region.inputs.end())
     return error(Errc::usage, "standard input cannot be sent to a daemon; save it in a file below one of its folders");
   if (settings.text("input-list").has_value())
-    return error(Errc::usage, "--input-list is not for a job of a daemon: name its files, folders or patterns");
+    return error(Errc::usage,
+                 "--input-list is not for a job of a daemon: name the daemon's files, folders or patterns");
   if (!settings.text("format").value_or("").empty() || fs::path(region.name).has_extension())
     return error(Errc::usage, "-o '" + region.name +
-                                  "': a daemon makes a result of this name, so no format and no ending; 'tessera "
-                                  "export' makes files for other programs of it");
+                                  "': a daemon makes a result with this name, so give no format and no ending; "
+                                  "'tessera export' then makes files for other programs");
   return success();
 }
 
@@ -115,8 +116,8 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
   }
   const auto with_advice = [&](Error failed) {
     if (failed.code == Errc::interrupted)
-      failed.where +=
-          "; " + command_for(settings, "fetch", job.job_id() + " -o " + target.string()) + " fetches what it makes";
+      failed.where += "; " + command_for(settings, "fetch", job.job_id() + " -o " + target.string()) +
+                      " fetches what the job makes";
     return as_asked(std::move(failed));
   };
   const auto done = await_job(server, settings, job.job_id(), output, interrupt.token());
@@ -125,7 +126,8 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
   if (!fetched) return with_advice(fetched.error());
   const auto removed = server.remove_export(done.value().triangulation(), made, interrupt.token());
   if (!removed)
-    say_beside("note: the file stays at the daemon, too: %s\n", in_plain_words(removed.error().where).c_str());
+    say_beside("note: the daemon could not remove its copy of the file: %s\n",
+               in_plain_words(removed.error().where).c_str());
   return success();
 }
 

@@ -101,8 +101,8 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   }
   const auto with_advice = [&](Error failed) {
     if (failed.code == Errc::interrupted)
-      failed.where +=
-          "; " + command_for(settings, "fetch", submitted.job_id() + " -o " + path.string()) + " fetches what it makes";
+      failed.where += "; " + command_for(settings, "fetch", submitted.job_id() + " -o " + path.string()) +
+                      " fetches what the job makes";
     return failed;
   };
   const auto done = await_job(server, settings, submitted.job_id(), output, interrupt.token());
@@ -112,7 +112,8 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   if (!fetched) return with_advice(fetched.error());
   const auto removed = server.remove_export(done.value().triangulation(), file.string(), interrupt.token());
   if (!removed)
-    say_beside("note: the export stays at the daemon, too: %s\n", in_plain_words(removed.error().where).c_str());
+    say_beside("note: the daemon could not remove its copy of the export: %s\n",
+               in_plain_words(removed.error().where).c_str());
   return success();
 }
 
@@ -120,7 +121,8 @@ Status info_remotely(Settings& settings, const std::vector<std::string>& what, c
   if (std::find(what.begin(), what.end(), "-") != what.end())
     return error(Errc::usage, "standard input cannot be sent to a daemon; save it in a file below one of its folders");
   if (settings.text("input-list").has_value())
-    return error(Errc::usage, "--input-list is not for a job of a daemon: name its files, folders or patterns");
+    return error(Errc::usage,
+                 "--input-list is not for a job of a daemon: name the daemon's files, folders or patterns");
   BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::InfoInputs::descriptor(), only_here({})));
   BOOST_OUTCOME_TRY(server, open_server(settings));
   const Interrupt interrupt;

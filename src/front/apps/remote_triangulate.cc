@@ -15,9 +15,10 @@ Status refuse_what_is_local(const Settings& settings, const TriangulateOptions& 
   if (reads_standard_input(options))
     return error(Errc::usage, "standard input cannot be sent to a daemon; save it in a file below one of its folders");
   if (settings.text("input-list").has_value())
-    return error(Errc::usage, "--input-list is not for a job of a daemon: name its files, folders or patterns");
+    return error(Errc::usage,
+                 "--input-list is not for a job of a daemon: name the daemon's files, folders or patterns");
   if (options.resume)
-    return error(Errc::usage, "--resume is not for a job of a daemon: 'tessera resume ID' goes on with one");
+    return error(Errc::usage, "--resume is not for a job of a daemon: 'tessera resume ID' continues one");
   return success();
 }
 

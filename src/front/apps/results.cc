@@ -43,10 +43,10 @@ Status fetch_of_job(Server& server, const std::string& id, const std::filesystem
   if (!job || (job.value().process_id() != "export" && !is_drawing(job.value())))
     return error(Errc::usage,
                  "there is no result '" + id +
-                     "', and no job of this id that exports or draws one; 'tessera results' lists results");
+                     "', and no job with this id that exports or draws a result; 'tessera results' lists results");
   if (job.value().status() != "successful")
-    return error(Errc::usage, "job " + id + " is " + job.value().status() + ": there is nothing to fetch of it");
-  const auto taken = error(Errc::usage, path.string() + ": exists already; name something new");
+    return error(Errc::usage, "job " + id + " has the status " + job.value().status() + ": there is nothing to fetch");
+  const auto taken = error(Errc::usage, path.string() + ": exists already; give another name");
   BOOST_OUTCOME_TRY(there, is_there(path));
   if (is_drawing(job.value())) {
     if (there) return taken;
@@ -79,7 +79,7 @@ Status run_fetch(Settings& settings, const std::string& name) {
       interrupt.token());
   clear_line(output);
   if (!result && result.error().code == Errc::interrupted)
-    return error(Errc::interrupted, "interrupted; the same command goes on");
+    return error(Errc::interrupted, "interrupted; the same command continues");
   BOOST_OUTCOME_TRY(fetched, std::move(result));
   if (output.json) {
     print_json_line({{"event", "fetched"},
@@ -113,17 +113,19 @@ Command add_results(CLI::App& root) {
 Command add_fetch(CLI::App& root) {
   auto command = new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
                              "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
-                             "  tessera fetch NAME -o out/      (again, after Ctrl-C: goes on where it was)\n"
-                             "  tessera fetch ID -o mesh.ply    (what a job of export, dem or contours has written)");
+                             "  tessera fetch NAME -o out/      (again, after Ctrl-C: continues where it was)\n"
+                             "  tessera fetch ID -o mesh.ply    (the files of a job that ran export, dem or contours)");
   set_group(command, daemon_group);
   add_value(command, "output", "FOLDER",
-            "the result folder: new, empty, or what an earlier fetch has left; of a job's files, the file or folder",
+            "for a result: a folder that is new, empty, or left by an earlier fetch; for the files of a job: the file "
+            "or folder to write",
             'o', true);
   add_server_options(command);
   add_output_switches(command);
   auto name = std::make_shared<std::string>();
-  add_argument(command, "result", "NAME", *name,
-               "its name, as 'tessera results' shows it; or the id of a job of export, dem or contours");
+  add_argument(
+      command, "result", "NAME", *name,
+      "the name of a result, as 'tessera results' shows it; or the id of a job that ran export, dem or contours");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_fetch(*settings, *name);
   };

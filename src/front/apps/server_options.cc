@@ -26,12 +26,15 @@ Result<std::string> read_token(const std::string& path) {
 
 void add_server_options(Command& command) {
   add_value(command, "server", "URL",
-            "the daemon that is asked, as http://127.0.0.1:7070; also with the token that it prints at its start");
-  add_value(command, "token-file", "FILE", "the token, in the first line of this file; else from TESSERA_TOKEN");
+            "the address of the daemon, for example http://127.0.0.1:7070; or the address with a token that the daemon "
+            "prints when it starts");
+  add_value(command, "token-file", "FILE",
+            "a file with the token in its first line; default: the token in TESSERA_TOKEN");
   // The token has no flag, because other users of the machine can see command lines.
   command.settings->declare("token");
   add_value(command, "ca", "FILE", "https: trust the certificates in this PEM file, instead of those of the system");
-  add_value(command, "patience", "SECONDS", "how long to wait for a daemon that has gone; default: 600");
+  add_value(command, "patience", "SECONDS",
+            "how many seconds to wait for a daemon that does not answer any more; default: 600");
 }
 
 void add_remote_options(Command& command) {
@@ -65,7 +68,7 @@ Result<Server> open_server(Settings& settings) {
       patience, settings.get("patience", [](const std::string& text) { return parse_integer(text, 0, 1'000'000); }));
   options.patience = std::chrono::seconds(patience.value_or(600));
   options.token_advice = "give it with --token-file, or in TESSERA_TOKEN";
-  options.authorities_advice = "name the file with its authority's with --ca";
+  options.authorities_advice = "give the certificate of its authority with --ca FILE";
   return Server::make(std::move(options));
 }
 

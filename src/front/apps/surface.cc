@@ -76,13 +76,13 @@ void print(const Surface& made, const SurfaceOptions& options, const OutputOptio
   say("%s: %llu triangles, %llu vertices%s\n", path.c_str(), static_cast<unsigned long long>(made.mesh.cells),
       static_cast<unsigned long long>(made.mesh.vertices),
       options.trim                     ? "; it has holes where longer edges were left out"
-      : options.bottom == Bottom::open ? "; closed but at the hull's lower side"
+      : options.bottom == Bottom::open ? "; closed except at the lower side of the hull"
                                        : "; closed");
   say("%s; median scale %.4g\n", made.sensors.c_str(), made.sigma);
   if (made.split > 0)
     say("%llu vertices were added where the surface touches itself\n", static_cast<unsigned long long>(made.split));
   if (made.no_rays > 0)
-    say("%llu points have no direction to a sensor, and no ray\n", static_cast<unsigned long long>(made.no_rays));
+    say("%llu points have no direction to a sensor, and so no ray\n", static_cast<unsigned long long>(made.no_rays));
   if (made.guessed > 0)
     say("%llu points have no place on the track; their sensors are taken to be straight above\n",
         static_cast<unsigned long long>(made.guessed));
@@ -118,51 +118,54 @@ Status run_surface(Settings& settings, const OneStep& made_of) {
 }  // namespace
 
 Command add_surface(CLI::App& root) {
-  auto command = new_command(
-      root, "surface", "Makes a closed surface of points or of a 3D result",
-      "  tessera surface block/*.laz -o mesh.ply                     (from points, in one step)\n"
-      "  tessera surface out/ -o mesh.ply --lambda 2                 (of a 3D result; smoother)\n"
-      "  tessera surface out/ -o tiles/ --format vtu                 (a folder: one .vtu a tile, a .pvtu over them)\n"
-      "  tessera surface scan.ply -o mesh.obj --bottom free --sensor 'point:0,0,1.7;12,3,1.7'");
-  add_value(
-      command, "sensor", "WHICH",
-      "where the light came from: auto (default), vertical, fields (x_origin, y_origin, z_origin or nx, ny, nz of "
-      "the points), scan-angle (by gps_time), track:FILE.csv (by gps_time; 'tessera track' makes one), or "
-      "point:X,Y,Z;X,Y,Z;... (of these the nearest)");
-  add_value(command, "lambda", "NUMBER", "how much the quality of facets counts: more is smoother; default: 1");
-  add_value(command, "alpha", "NUMBER", "how much a ray counts; default: 32");
+  auto command =
+      new_command(root, "surface", "Makes a closed surface of points or of a 3D result",
+                  "  tessera surface block/*.laz -o mesh.ply                     (from points, in one step)\n"
+                  "  tessera surface out/ -o mesh.ply --lambda 2                 (of a 3D result; smoother)\n"
+                  "  tessera surface out/ -o tiles/ --format vtu                 (a folder with one .vtu a tile, and a "
+                  ".pvtu over them)\n"
+                  "  tessera surface scan.ply -o mesh.obj --bottom free --sensor 'point:0,0,1.7;12,3,1.7'");
+  add_value(command, "sensor", "WHICH",
+            "where the sensor was that saw the points: auto (default), vertical (straight above), fields (x_origin, "
+            "y_origin, z_origin or nx, ny, nz of the points), scan-angle (by gps_time), track:FILE.csv (by gps_time; "
+            "'tessera track' makes such a file), or point:X,Y,Z;X,Y,Z;... (the nearest of these places)");
+  add_value(command, "lambda", "NUMBER",
+            "how much the quality of facets counts; a larger number makes a smoother surface; default: 1");
+  add_value(command, "alpha", "NUMBER", "how much a ray, the line from a point to its sensor, counts; default: 32");
   add_value(command, "sigma", "LENGTH",
-            "how far a point may be from the surface, in units of the coordinates; default: auto, of each point from "
-            "its edges");
+            "how far a point may be from the surface, in units of the coordinates; default: auto, for each point from "
+            "the length of its edges");
   add_value(command, "ray-length", "NUMBER",
-            "how many sigma a ray goes towards its sensor; full: all the way; default: 100");
-  add_value(
-      command, "bottom", "WHICH",
-      "below all points: closed (default) is inside, with a bottom; open is inside, without one; free is outside");
+            "how far a ray goes towards its sensor, as a multiple of sigma; full: all the way; default: 100");
+  add_value(command, "bottom", "WHICH",
+            "what is below all points: closed (default): inside, and the surface has a bottom; open: inside, but the "
+            "surface has no bottom; free: outside");
   add_choices(command, "bottom", "closed, open, free");
-  add_value(command, "unknown", "WHICH", "where no ray tells: solid (default) or empty");
+  add_value(command, "unknown", "WHICH", "what a place is that no ray has seen: solid (default) or empty");
   add_choices(command, "unknown", "solid, empty");
-  add_value(command, "trim", "LENGTH",
-            "leave out triangles with a longer edge, which bridge what was not seen: the surface is not closed then");
+  add_value(
+      command, "trim", "LENGTH",
+      "leave out triangles with a longer edge, which bridge places that were not seen; the surface is then not closed");
   add_switch(
       command, "manifold",
-      "split vertices and edges where the surface touches itself, for programs that take no other; nothing moves");
-  add_value(command, "smooth", "N", "so many rounds of smoothing, which move the vertices (Taubin's); default: 0");
+      "split vertices and edges where the surface touches itself, for programs that need a manifold; no vertex moves");
+  add_value(command, "smooth", "N", "how many rounds of smoothing (Taubin's), which move the vertices; default: 0");
   add_value(command, "format", "NAME",
-            "as of 'tessera export', or 3dtiles: a folder for viewers with levels of detail, of a manifold surface; "
-            "default: as the ending of --output says");
+            "a format of 'tessera export', or 3dtiles: a folder with levels of detail for viewers, of a manifold "
+            "surface; default: the format of the ending of --output");
   add_choices(command, "format", export_format_names() + ", " + tileset_format);
-  add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
-            'o', true);
-  add_switch(
-      command, "local",
-      "ply, obj, off, stl: coordinates count from the corner of the result's box, rounded down to whole numbers");
+  add_value(command, "output", "PATH",
+            "the file to write; a folder, or a name without an ending, gets one file for each tile", 'o', true);
+  add_switch(command, "local",
+             "ply, obj, off, stl: write coordinates relative to the lower corner of the result's box, rounded down to "
+             "whole numbers");
   add_memory_option(command, "tiles");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_switch(command, "resume",
-             "go on with what an interrupted run of the same command has left in PATH.surface, and leave it there when "
-             "interrupted again; of points, keep their result (--keep-result) and name it then",
+             "continue an interrupted run of the same command, which has left its state in PATH.surface, and leave the "
+             "state there when interrupted again; for point files, keep their result with --keep-result, and name that "
+             "result in the second command",
              0, true);
   add_output_switches(command);
   auto sources = add_sources(command, 3);

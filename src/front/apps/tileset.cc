@@ -60,7 +60,7 @@ Status run_tileset(Settings& settings, const OneStep& made_of) {
 Command add_tileset(CLI::App& root) {
   auto command = new_command(root, "tileset", "Writes a 2D result as 3D Tiles, for viewers",
                              "  tessera tileset ground/ -o tiles/                  (tiles/tileset.json, nodes/*.glb)\n"
-                             "  tessera tileset ground/ --max-edge 5 -o tiles/     (without what bridges gaps)");
+                             "  tessera tileset ground/ --max-edge 5 -o tiles/     (without cells that bridge gaps)");
   add_value(command, "max-edge", "LENGTH", "leave out cells with a longer edge in the plane; default: none");
   add_value(command, "output", "FOLDER", "the folder to write", 'o', true);
   add_threads_option(command);

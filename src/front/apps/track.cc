@@ -47,12 +47,12 @@ void print(const EstimatedTrack& found, const std::string& target, const OutputO
   if (output.quiet) return;
   for (const TrackLine& line : found.lines) {
     if (line.refused.empty()) {
-      say("line %u: %.0f above the points; %zu of %zu half seconds agree\n"
+      say("line %u: the scanner was %.0f above the points; %zu of %zu half seconds agree\n"
           "line %u: %s are off by %.2f degrees at the median, 99 %% of them by less than %.2f\n",
           line.line, line.height, line.kept, line.windows, line.line,
           line.from == TrackLine::From::pulses ? "pulses" : "scan angles", line.median_degrees, line.most_degrees);
     } else {
-      say("line %u: no track, %s (of %zu)\n", line.line, line.refused.c_str(), line.observations);
+      say("line %u: no track: %s (%zu observations)\n", line.line, line.refused.c_str(), line.observations);
     }
   }
   say("%s: %zu of %zu flight lines\n", target.c_str(), found.track.lines().size(), found.lines.size());
@@ -66,7 +66,7 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
   if (output.verbose) log_everything();
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   BOOST_OUTCOME_TRY(there, is_there(target));
-  if (there && !overwrite) return error(Errc::usage, target + ": exists; --overwrite replaces it");
+  if (there && !overwrite) return error(Errc::usage, target + ": exists already; --overwrite replaces it");
   JobOptions job;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
   job.cloud.attributes = {"all"};  // asks for no attribute by name, because missing ones are reported below
@@ -109,7 +109,7 @@ Command add_track(CLI::App& root) {
                   "  tessera track block/*.laz -o track.csv\n"
                   "  tessera surface block/*.laz -o mesh.ply --sensor track:track.csv");
   add_cloud_options(command);
-  add_value(command, "output", "PATH", "the file to write: time,x,y,z,line", 'o', true);
+  add_value(command, "output", "PATH", "the CSV file to write, with the columns time,x,y,z,line", 'o', true);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
   add_output_switches(command);
   auto inputs = std::make_shared<std::vector<std::string>>();

@@ -20,27 +20,27 @@ Result<std::uint64_t> parse_positive_count(const std::string& text) {
 Result<KernelKind> parse_kernel(const std::string& text) {
   if (text == "flat") return KernelKind::flat;
   if (text == "cgal") return KernelKind::cgal;
-  return error(Errc::usage, "'" + text + "' is no kernel; there are flat and cgal");
+  return error(Errc::usage, "'" + text + "' is not a kernel; the kernels are flat and cgal");
 }
 
 }  // namespace
 
 void add_source_options(Command& command) {
   add_switch(command, "recursive", "take the files in subfolders of input folders, too");
-  add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
+  add_value(command, "class", "LIST", "keep only points of these LAS classes, for example 2,9");
   add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");
   add_value(command, "without", "FLAGS",
             "LAS: drop points with one of these flags: withheld, synthetic, overlap, key_point");
-  add_value(
-      command, "columns", "NAMES",
-      "text, NumPy: what the columns are, in their order: x, y, z, an attribute's name, or _ to leave one out, as "
-      "p,y,x,z");
+  add_value(command, "columns", "NAMES",
+            "text, NumPy: the names of the columns, in order: x, y, z, the name of an attribute, or _ for a column to "
+            "leave out; for example p,y,x,z");
   add_value(command, "crs", "CRS",
             "the coordinate system of all input files, whatever they say: EPSG:n, WKT, or a file with one of them");
-  add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
+  add_value(command, "attributes", "NAMES",
+            "carry these attributes of the points to the result, for example intensity,red; or all");
   add_value(command, "keep", "WHICH",
-            "2D: of points with equal x and y keep the first (default), last, lowest or highest; heights that are no "
-            "numbers count last");
+            "2D: of points with equal x and y keep the first (default), last, lowest or highest; for lowest and "
+            "highest, heights that are not numbers come last");
   add_choices(command, "keep", "first, last, lowest, highest");
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
 }
@@ -51,24 +51,25 @@ void add_dimension(Command& command) {
 }
 
 void add_point_options(Command& command) {
-  add_value(
-      command, "input-list", "FILE",
-      "read more inputs from this text file (- for standard input), one a line; relative ones begin at its folder", 0,
-      true);
+  add_value(command, "input-list", "FILE",
+            "read more inputs from this text file (- for standard input), one a line; relative names begin at the "
+            "folder of the file",
+            0, true);
   add_source_options(command);
   add_value(command, "resolution", "R",
             "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_dimension(command);
   add_threads_option(command);
-  add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
+  add_value(command, "memory", "SIZE",
+            "memory the job may use, for example 800M or 4G; default: 70 % of what is available");
   add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
-  add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
+  add_switch(command, "neighbors", "leave out the neighbours of cells; the files are half as large", 0, false, true);
 }
 
 void add_cloud_options(Command& command) {
   add_point_options(command);
   add_value(command, "max-points-per-tile", "N",
-            "most points a tile may hold, as 500k; default: from memory and threads");
+            "how many points a tile may hold at most, for example 500k; default: chosen from memory and threads");
   add_value(command, "tiles", "N", "the number of tiles, instead of their size");
   add_value(command, "partition", "KIND", "kdtree (default), grid, octree, or random (for tests: no spatial order)");
   add_choices(command, "partition", "kdtree, grid, octree, random");
@@ -141,9 +142,9 @@ void add_triangulate_options(Command& command) {
   add_cloud_options(command);
   add_value(command, "store", "WHAT",
             "cells: files that ParaView opens; points: a tenth of the bytes, cells are made again when they are asked "
-            "for; auto (default): points for clouds of more than 50 million");
+            "for; auto (default): points for clouds of more than 50 million points, else cells");
   add_choices(command, "store", "auto, cells, points");
-  add_value(command, "kernel", "KIND", "flat (default), cgal");
+  add_value(command, "kernel", "KIND", "the Delaunay kernel: flat (default) or cgal");
   add_choices(command, "kernel", "flat, cgal");
   add_switch(command, "resume", "continue the unfinished run in the result folder, or start one", 0, true);
   add_switch(command, "overwrite", "replace the result or unfinished run in the result folder", 0, true);

@@ -69,14 +69,14 @@ Status run_upload(Settings& settings, const std::vector<std::string>& files) {
 }  // namespace
 
 Command add_upload(CLI::App& root) {
-  auto command =
-      new_command(root, "upload", "Sends files to a daemon, for its jobs to read",
-                  "  tessera upload block/*.laz -o block --server http://127.0.0.1:7070\n"
-                  "  tessera triangulate upload:block -o block      (all of them; or upload:block/a.laz)\n\n"
-                  "A daemon takes files when it was started with --uploads. A connection that ends is gone on with;\n"
-                  "what has the same name there is replaced.");
+  auto command = new_command(
+      root, "upload", "Sends files to a daemon, for its jobs to read",
+      "  tessera upload block/*.laz -o block --server http://127.0.0.1:7070\n"
+      "  tessera triangulate upload:block -o block      (all of them; or upload:block/a.laz)\n\n"
+      "A daemon takes files if it was started with --uploads. When a connection ends, the upload continues\n"
+      "on a new one. Files of the same names at the daemon are replaced.");
   set_group(command, daemon_group);
-  add_value(command, "output", "NAME", "the folder there, which jobs call upload:NAME", 'o', true);
+  add_value(command, "output", "NAME", "the folder at the daemon, which jobs call upload:NAME", 'o', true);
   add_server_options(command);
   add_output_switches(command);
   auto files = std::make_shared<std::vector<std::string>>();

@@ -67,7 +67,8 @@ Status run_verify(Settings& settings, const std::string& folder) {
     if (surface) return run_verify_surface(settings, folder, options, output);
   }
   if (of)
-    return error(Errc::usage, "--of is for surfaces, and " + folder + " is none that can be checked: it has no .ply");
+    return error(Errc::usage,
+                 "--of is for surfaces, but " + folder + " is not a surface that can be checked: it has no .ply");
   if (remote) return verify_remotely(settings, folder, output);
   BOOST_OUTCOME_TRYV(refuse_detach(settings));
   const Interrupt interrupt;
@@ -90,9 +91,12 @@ Command add_verify(CLI::App& root) {
              "also build the global triangulation with CGAL in memory, and compare the sets of cells");
   add_value(command, "memory", "SIZE",
             "memory for facets before they are sorted on disk; default: 70 % of what is available");
-  add_value(command, "scratch", "FOLDER", "where to sort what does not fit; default: the system's temporary folder");
+  add_value(
+      command, "scratch", "FOLDER",
+      "the folder in which facets that do not fit into memory are sorted; default: the system's temporary folder");
   add_value(command, "of", "FOLDER",
-            "of a surface (a .ply, or a folder of such): the 3D result that it was made of; the surface is made again");
+            "for a surface (a .ply file, or a folder of such files): the 3D result that it was made of; the surface is "
+            "made again and compared");
   add_threads_option(command);
   add_remote_options(command);
   add_output_switches(command);

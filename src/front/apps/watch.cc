@@ -40,8 +40,8 @@ Command add_watch(CLI::App& root) {
       new_command(root, "watch", "Shows the progress of a job of a daemon, and its summary",
                   "  tessera watch ID --server http://127.0.0.1:7070\n"
                   "  tessera watch ID --json\n\n"
-                  "Its exit status is that of the job. Ctrl-C ends the watching, not the job. A daemon that\n"
-                  "goes away is waited for.");
+                  "The exit status is that of the job. Ctrl-C ends the watching, not the job. If the daemon goes\n"
+                  "away, the command waits for it.");
   set_group(command, daemon_group);
   add_server_options(command);
   add_output_switches(command);
@@ -52,7 +52,7 @@ Command add_watch(CLI::App& root) {
 }
 
 Command add_resume(CLI::App& root) {
-  auto command = new_command(root, "resume", "Goes on with a job of a daemon that failed or was cancelled",
+  auto command = new_command(root, "resume", "Continues a job of a daemon that failed or was cancelled",
                              "  tessera resume ID --server http://127.0.0.1:7070\n"
                              "  tessera resume ID --detach      (without watching it)");
   set_group(command, daemon_group);

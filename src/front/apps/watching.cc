@@ -165,18 +165,18 @@ Result<proto::StatusInfo> await_job(Server& server, const Settings& settings, co
   Watch watch(output);
   const auto on_gone = [&](const std::string& why) {
     watch.pause();
-    if (!output.quiet) say_beside("%s; the job is waited for\n", why.c_str());
+    if (!output.quiet) say_beside("%s; waiting until the daemon answers again\n", why.c_str());
   };
   const auto watched = server.events(
       id, [&](const proto::Event& event) { return watch.take(event); }, on_gone, stop);
   watch.pause();
   if (!watched) {
     if (watched.error().code == Errc::io && !watch.last().job_id().empty()) {
-      return error(Errc::io, watched.error().where + "; the job goes on when the daemon does: " +
+      return error(Errc::io, watched.error().where + "; the job continues when the daemon runs again: " +
                                  command_for(settings, "watch", id) + " shows it again");
     }
     if (watched.error().code != Errc::interrupted) return watched.error();
-    return error(Errc::interrupted, "detached; the job goes on: " + command_for(settings, "watch", id) +
+    return error(Errc::interrupted, "detached; the job continues: " + command_for(settings, "watch", id) +
                                         " shows it again, " + command_for(settings, "cancel", id) + " stops it");
   }
   const auto& job = watch.last();
@@ -184,7 +184,7 @@ Result<proto::StatusInfo> await_job(Server& server, const Settings& settings, co
   if (job.status() == "dismissed") {
     return error(Errc::interrupted,
                  "job " + id + " was cancelled" +
-                     (job.resumable() ? "; " + command_for(settings, "resume", id) + " goes on with it" : ""));
+                     (job.resumable() ? "; " + command_for(settings, "resume", id) + " continues it" : ""));
   }
   return problem_of(job);
 }

@@ -39,19 +39,26 @@ Status read_roles(const std::string& text, ClusterOptions& out) {
 }  // namespace
 
 void add_cluster_options(CLI::App& app, Settings& settings) {
-  add_option(app, settings, "cluster", "HOST:PORT", "where this process of a cluster listens for the others");
-  add_option(app, settings, "advertise", "HOST:PORT", "by which others reach it; default: as it listens");
-  add_option(app, settings, "join", "HOST:PORT,...", "any processes of the cluster; default: this is the first");
-  add_option(app, settings, "certs", "DIR", "its certificate, key and the cluster's authority (see tessera certs)");
-  add_option(app, settings, "roles", "ROLE,...", "coordinator, node; default: both, or node when it joins others");
-  add_option(app, settings, "node-name", "NAME", "by which people know it; default: the host's name");
-  add_option(app, settings, "cluster-name", "NAME", "default: tessera; nodes of others are refused");
+  add_option(app, settings, "cluster", "HOST:PORT",
+             "the address at which this process of a cluster listens for the others");
+  add_option(app, settings, "advertise", "HOST:PORT",
+             "the address at which the others reach this process; default: that of --cluster");
+  add_option(app, settings, "join", "HOST:PORT,...",
+             "the addresses of some processes of the cluster; default: none, this process is the first");
+  add_option(app, settings, "certs", "DIR",
+             "the folder with the certificate and key of this process, and the certificate of the cluster's authority "
+             "(see 'tessera certs')");
+  add_option(app, settings, "roles", "ROLE,...",
+             "coordinator (takes jobs), node (works on them); default: both, or node with --join");
+  add_option(app, settings, "node-name", "NAME", "the name of this node, for people; default: the host's name");
+  add_option(app, settings, "cluster-name", "NAME",
+             "the name of the cluster; processes of other clusters are refused; default: tessera");
   add_option(app, settings, "scratch", "DIR",
-             "a disk of its own, for tiles not in memory; default: in the data folder");
-  add_option(app, settings, "lease", "TIME", "after which a silent node is lost; default: 10s");
-  add_option(app, settings, "grace", "TIME", "that tiles go on for without a coordinator; default: 5m");
+             "a folder on a disk of this machine, for tiles that are not in memory; default: in the data folder");
+  add_option(app, settings, "lease", "TIME", "how long a node may be silent before it is lost; default: 10s");
+  add_option(app, settings, "grace", "TIME", "how long nodes keep their tiles without a coordinator; default: 5m");
   add_option(app, settings, "drain-timeout", "TIME",
-             "that a node which is told to end has for handing over its tiles; default: 20s");
+             "how long a node that is told to end may take to hand over its tiles; default: 20s");
 }
 
 Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& settings,
@@ -70,10 +77,13 @@ Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& setti
   BOOST_OUTCOME_TRY(drain_timeout, settings.get("drain-timeout", parse_duration));
   if (!listen) {
     if (join || certs || roles)
-      return error(Errc::usage, "--cluster HOST:PORT is needed: where this process listens for the others");
+      return error(Errc::usage,
+                   "--cluster HOST:PORT is needed: the address at which this process listens for the others");
     return std::optional<ClusterOptions>();
   }
-  if (!certs) return error(Errc::usage, "--certs DIR is needed: nodes know each other by certificates");
+  if (!certs)
+    return error(Errc::usage,
+                 "--certs DIR is needed: nodes know each other by their certificates, which 'tessera certs' makes");
   ClusterOptions out;
   out.listen = *listen;
   out.advertised = advertise.value_or(*listen);
@@ -83,7 +93,8 @@ Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& setti
     BOOST_OUTCOME_TRYV(read_roles(*roles, out));
   }
   if (!out.coordinator && out.join.empty())
-    return error(Errc::usage, "--join HOST:PORT is needed: a process of the cluster that this node belongs to");
+    return error(Errc::usage,
+                 "--join HOST:PORT is needed: the address of a process of the cluster that this node joins");
   out.node_name = node_name.value_or(host_name());
   out.name = name.value_or(out.name);
   if (lease && *lease > 0) out.lease = std::chrono::seconds(*lease);

@@ -89,23 +89,26 @@ Result<std::uint64_t> parse_duration(std::string_view text) {
 void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   Settings& top = settings.top;
   add_option(app, top, "config", "FILE", "read options from this TOML file (see config/tesserad.toml)");
-  add_option(app, top, "data", "DIR", "where jobs, results and tokens are; made when missing");
-  add_option(app, top, "listen", "ADDRESS", "of the API; default: 127.0.0.1:7070");
-  add_option(app, top, "metrics", "ADDRESS", "of health and figures; default: 127.0.0.1:7071; none: nowhere");
-  add_option(app, top, "inputs", "DIR,...", "folders below which inputs may lie; default: none");
-  add_option(app, top, "memory", "BYTES", "for all running jobs together; default: 70 % of what is free");
-  add_option(app, top, "threads", "N", "default: all");
-  add_option(app, top, "jobs", "N", "that run at once; default: 1");
-  add_switch(app, top, "uploads", "clients may send input files");
-  add_option(app, top, "retention", "TIME", "how long ended jobs are remembered, 30d; default: forever");
-  add_option(app, top, "tls-certificate", "FILE", "PEM, with its chain");
-  add_option(app, top, "tls-key", "FILE", "PEM");
-  add_option(app, top, "public-url", "URL", "what users type, when a proxy stands in front");
-  add_option(app, top, "hosts", "NAME,...", "names of this machine that requests may ask for");
-  add_switch(app, top, "insecure", "listen beyond the loopback without TLS; every log line says so");
-  add_option(app, top, "log", "text|json", "default: text");
+  add_option(app, top, "data", "DIR", "the folder of jobs, results and tokens; it is made if it is missing");
+  add_option(app, top, "listen", "ADDRESS", "the address of the API; default: 127.0.0.1:7070");
+  add_option(app, top, "metrics", "ADDRESS",
+             "the address of health checks and metrics; default: 127.0.0.1:7071; none: these are not served");
+  add_option(app, top, "inputs", "DIR,...",
+             "the folders whose files, also in subfolders, jobs may read; default: none");
+  add_option(app, top, "memory", "BYTES", "memory for all running jobs together; default: 70 % of what is available");
+  add_option(app, top, "threads", "N", "threads for all running jobs together; default: all processors");
+  add_option(app, top, "jobs", "N", "how many jobs run at once; default: 1");
+  add_switch(app, top, "uploads", "let clients upload input files");
+  add_option(app, top, "retention", "TIME", "how long ended jobs are remembered, for example 30d; default: forever");
+  add_option(app, top, "tls-certificate", "FILE", "the TLS certificate with its chain, as a PEM file");
+  add_option(app, top, "tls-key", "FILE", "the key of the TLS certificate, as a PEM file");
+  add_option(app, top, "public-url", "URL", "the address that users type, when a proxy stands in front of the daemon");
+  add_option(app, top, "hosts", "NAME,...", "names of this machine that requests may use, besides localhost");
+  add_switch(app, top, "insecure", "listen beyond the loopback without TLS; every line of the log says so");
+  add_option(app, top, "log", "text|json", "the format of the log; default: text");
   add_switch(app, top, "print-token",
-             "print the address with a token also when stdout is no terminal: pipes and logs keep it");
+             "print the address with a token also when stdout is not a terminal; whatever reads stdout may then keep "
+             "the token");
   add_cluster_options(app, top);
   // These have only variables and keys, because users hardly type them.
   for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"})
@@ -125,10 +128,10 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRYV(read_limits(settings.limits, out.service.limits));
   BOOST_OUTCOME_TRY(data_lease, settings.limits.get("data-lease", parse_duration));
   if (data_lease && (*data_lease < data_lease_min_s || *data_lease > data_lease_max_s))
-    return error(Errc::usage, "limits.data-lease: must be 2s to 1h");
+    return error(Errc::usage, "limits.data-lease: must be from 2s to 1h");
   if (data_lease) out.service.data_lease = std::chrono::seconds(*data_lease);
   BOOST_OUTCOME_TRY(data, top.get("data", as_text));
-  if (!data || data->empty()) return error(Errc::usage, "--data DIR is needed: where jobs and results are");
+  if (!data || data->empty()) return error(Errc::usage, "--data DIR is needed: the folder of jobs and results");
   BOOST_OUTCOME_TRY(inputs, top.get("inputs", parse_names));
   BOOST_OUTCOME_TRY(memory, top.get("memory", or_auto(parse_memory, 0)));
   BOOST_OUTCOME_TRY(threads, top.get("threads", or_auto(at_least_one, 0)));

@@ -13,7 +13,7 @@ Result<std::optional<std::string>> who_else_may_enter(const std::filesystem::pat
   const bool group = found && (found->st_mode & S_IRWXG) != 0 && found->st_gid != ::getegid();
   if (!others && !group) return std::optional<std::string>();
   return std::optional(data.string() + ": " + (others ? "other users" : "the users of its group") +
-                       " may look into it, at jobs and results of before; 'chmod 700' keeps them out");
+                       " can read this folder, with its jobs and results; 'chmod 700' keeps them out");
 }
 
 }  // namespace tessera

@@ -123,7 +123,7 @@ std::string LastWords::Record::memory_words() const {
     const auto now = kills_in(path);
     if (!now) continue;
     if (*now > groups[i].kills) {
-      return ", and the kernel has killed for want of memory in its control group " + path + " (" +
+      return ", and the kernel has killed processes for lack of memory in its control group " + path + " (" +
              std::to_string(*now - groups[i].kills) + " times since it began)";
     }
     return i == 0 ? "" : ", together with its control group";

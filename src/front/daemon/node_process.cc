@@ -36,7 +36,7 @@ constexpr std::chrono::milliseconds telling{500};  // between two records of wha
 // Returns what the process does, as a text for LastWords::doing().
 std::string in_words(const NodeWork& work) {
   if (work.shares == 0) return "without tiles";
-  return "at work on tiles of " + std::to_string(work.shares) + (work.shares == 1 ? " job (" : " jobs (") +
+  return "working on tiles of " + std::to_string(work.shares) + (work.shares == 1 ? " job (" : " jobs (") +
          std::to_string(work.tiles_begun) + " begun and " + std::to_string(work.tiles_stored) + " stored so far, " +
          std::to_string(work.tile_memory_bytes >> 20) + " MiB in memory)";
 }
@@ -124,9 +124,9 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
   cluster.expelled = [&](const std::string& why, bool may_come_back) {
     boost::asio::post(context, [&, why, may_come_back] {
-      spdlog::warn("this node is no member of the cluster any more: it {}", why);
+      spdlog::warn("this node is not a member of the cluster any more: it {}", why);
       again = may_come_back && !leaves;
-      if (again) words.ends("was no member of the cluster any more (it " + why + "), and began anew");
+      if (again) words.ends("was not a member of the cluster any more (it " + why + "), and began anew");
       context.stop();
     });
   };
@@ -138,7 +138,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
     leaves = true;
     LastWords::end_by(SIGTERM);  // a second signal ends the process at once
     LastWords::end_by(SIGINT);
-    spdlog::info("signal {}: leaves the cluster when others have its tiles", signal);
+    spdlog::info("signal {}: this node leaves the cluster as soon as other nodes have its tiles", signal);
     supervisor::stopping();
     engine->depart();
     if (cluster.drain_timeout.count() == 0) return;
@@ -146,8 +146,8 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
     until_too_late.async_wait([&](const boost::system::error_code& error) {
       if (error) return;
       const std::string time = std::to_string(cluster.drain_timeout.count()) + " s";
-      spdlog::warn("others do not have its tiles after {}: it ends, and is lost", time);
-      words.ends("was told to end, and did not get rid of its tiles within " + time);
+      spdlog::warn("after {}, other nodes do not have all tiles of this node: it ends all the same, and is lost", time);
+      words.ends("was told to end, and did not hand over its tiles within " + time);
       context.stop();
     });
   });
@@ -177,7 +177,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   if (again) begin_anew();
   supervisor::stopping();
   engine.reset();
-  spdlog::info("ended");
+  spdlog::info("the process has ended");
   return success();
 }
 

@@ -51,8 +51,8 @@ void ProcessWatch::look_whether_ready() {
   const auto why = unready_();
   if (!why == ready_) return;
   ready_ = !why;
-  if (why) spdlog::warn("not ready any more: {}", *why);
-  if (!why) spdlog::info("ready again");
+  if (why) spdlog::warn("this process is not ready any more: {}", *why);
+  if (!why) spdlog::info("this process is ready again");
 }
 
 }  // namespace tessera

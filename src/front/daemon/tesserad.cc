@@ -105,7 +105,7 @@ class Life {
     signals_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       if (signal != SIGHUP) {
-        spdlog::info("signal {}: ends; jobs stop where they can be resumed", signal);
+        spdlog::info("signal {}: the daemon ends; its jobs stop where they can be resumed", signal);
         LastWords::end_by(SIGTERM);  // a second signal ends the process at once
         LastWords::end_by(SIGINT);
         context_.stop();
@@ -113,7 +113,8 @@ class Life {
       }
       supervisor::reloading();
       if (const Status reloaded = server_->reload(); !reloaded) {
-        spdlog::error("{}; what was read before stays", render(reloaded.error().where, flag_name));
+        spdlog::error("{}; the tokens, certificate and key that were read before stay in use",
+                      render(reloaded.error().where, flag_name));
       } else {
         spdlog::info("tokens, certificate and key were read again");
       }
@@ -147,7 +148,7 @@ class Turn {
 
   bool wait(const Error& why) {
     constexpr std::chrono::seconds between_looks{1};
-    if (!told_) spdlog::info("{}; waits until that one ends, or is heard of no more", why.where);
+    if (!told_) spdlog::info("{}; this daemon waits until that process ends, or is not heard of any more", why.where);
     told_ = true;
     if (Clock::now() >= until_) return false;
     given_up_ = !life_.pause(between_looks);
@@ -166,7 +167,7 @@ class Turn {
 // Ends the process at once, because another process has taken over the data folder. An orderly end would write to the
 // folder.
 [[noreturn]] void end_without_data_folder(const Error& why, LastWords* words) {
-  spdlog::critical("{}; ends with status {}", why.where, static_cast<int>(why.code));
+  spdlog::critical("{}; the daemon ends with status {}", why.where, static_cast<int>(why.code));
   spdlog::default_logger()->flush();
   if (words) words->ends(Status(why));
   std::_Exit(static_cast<int>(why.code));
@@ -192,8 +193,8 @@ Status serve_api(DaemonOptions options, LastWords* words) {
     std::printf("%s#token=%s\n", address.c_str(), token.c_str());
     std::fflush(stdout);
   }
-  spdlog::info("tesserad {} serves at {}; tokens: {}", version(), address, options.http.tokens.string());
-  if (options.http.insecure) spdlog::warn("tokens and data cross the network readable");
+  spdlog::info("tesserad {} serves at {}; the tokens are in {}", version(), address, options.http.tokens.string());
+  if (options.http.insecure) spdlog::warn("without TLS, anybody on the network can read tokens and data");
   supervisor::ready("serving at " + address);
   std::optional<ProcessWatch> watch(
       std::in_place, [&] { return service->health().unready(); },
@@ -201,10 +202,10 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   life.run(*service, *server);
   watch.reset();
   supervisor::stopping();
-  if (!server->drain(drain_time)) spdlog::warn("some requests were cut off");
+  if (!server->drain(drain_time)) spdlog::warn("some requests did not end in time, and were cut off");
   server.reset();
   service.reset();
-  spdlog::info("ended");
+  spdlog::info("the process has ended");
   return success();
 }
 
@@ -240,8 +241,9 @@ int tesserad_main(int argc, char** argv) {
   DaemonSettings settings;
   add_daemon_options(app, settings);
   std::string metrics = "127.0.0.1:7071";
-  CLI::App* health = app.add_subcommand("health", "Exits with 0 when the daemon there can take jobs");
-  health->add_option("--metrics", metrics, "the daemon's address for health and figures")->type_name("ADDRESS");
+  CLI::App* health =
+      app.add_subcommand("health", "Asks a daemon whether it can take jobs; the exit status is 0 if it can");
+  health->add_option("--metrics", metrics, "the daemon's address of health checks and metrics")->type_name("ADDRESS");
   app.footer("Examples:\n  tesserad --data /srv/tessera --inputs /srv/lidar\n  tesserad health");
   try {
     app.parse(argc, argv);
@@ -261,7 +263,7 @@ int tesserad_main(int argc, char** argv) {
   // Starts the same program with the same options in this process, so that nothing of the lost node stays.
   const auto begin_anew = [argv] {
     ::execv("/proc/self/exe", argv);
-    std::fprintf(stderr, "tesserad: cannot begin anew\n");
+    std::fprintf(stderr, "tesserad: the process cannot start itself again\n");
     std::_Exit(static_cast<int>(Errc::internal));
   };
   const Status served = serve(std::move(options).value(), begin_anew);

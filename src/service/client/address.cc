@@ -116,7 +116,7 @@ std::string percent_encoded(std::string_view text) {
 
 Result<std::string> follow_link(const ServerAddress& server, std::string_view path, std::string_view href) {
   const auto foreign = [&] {
-    return error(Errc::io, server.text() + ": the server's answer has a link to another server: " + std::string(href));
+    return error(Errc::io, server.text() + ": the answer of the server links to another server: " + std::string(href));
   };
   href = href.substr(0, href.find('#'));
   if (href.starts_with(plain_scheme) || href.starts_with(tls_scheme)) {

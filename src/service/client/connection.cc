@@ -197,7 +197,7 @@ struct Connection::Impl {
     if (shaken.category() == asio::error::get_ssl_category() && !stop.stop_requested()) {
       const auto* reason = ERR_reason_error_string(static_cast<unsigned long>(shaken.value()));
       return error(Errc::usage,
-                   address.text() + ": the server there does not use TLS: " + (reason ? reason : shaken.message()));
+                   address.text() + ": the server does not speak TLS: " + (reason ? reason : shaken.message()));
     }
     return failed(stop, shaken, "the connection cannot be secured");
   }
@@ -270,7 +270,7 @@ struct Connection::Impl {
     if (read_head) {
       if (read_head.category() == make_error_code(http::error::bad_version).category() &&
           read_head != http::error::end_of_stream && read_head != http::error::partial_message)
-        return error(Errc::usage, address.text() + ": the server there does not use HTTP");
+        return error(Errc::usage, address.text() + ": the server does not speak HTTP");
       return failed(stop, written ? written : read_head, "the server has ended the connection");
     }
     answered = true;

@@ -54,7 +54,7 @@ void Server::authorize(HttpRequest& request) const {
 }
 
 Error Server::no_tessera() const {
-  return error(Errc::usage, options_.address.text() + ": the server there is no Tessera server");
+  return error(Errc::usage, options_.address.text() + ": the server that answers is not a Tessera server");
 }
 
 Error Server::with_advice(Error failed) const {
@@ -71,7 +71,7 @@ Error Server::refusal(const HttpAnswer& answer) const {
   const auto said = problem.detail().empty() ? problem.title() : sentence_of(problem);
   if (answer.status == 401) {
     return error(Errc::usage, options_.address.text() +
-                                  (options_.token.empty() ? ": the server wants a token"
+                                  (options_.token.empty() ? ": the server needs a token"
                                                           : ": the server does not know "
                                                             "this token") +
                                   (options_.token_advice.empty() ? "" : "; " + options_.token_advice));

@@ -44,7 +44,7 @@ Status read_tiles(const proto::TriangulateInputs& inputs, const JobShare& share,
   options.memory_bytes = own.memory_bytes;
   if (inputs.has_kernel()) {
     if (inputs.kernel() != "flat" && inputs.kernel() != "cgal")
-      return refuse("kernel", "'" + inputs.kernel() + "' is no kernel; there are flat and cgal");
+      return refuse("kernel", "'" + inputs.kernel() + "' is not a kernel; the kernels are flat and cgal");
     options.kernel = inputs.kernel() == "flat" ? KernelKind::flat : KernelKind::cgal;
   }
   if (inputs.has_store()) {

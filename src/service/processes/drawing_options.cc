@@ -48,7 +48,7 @@ Result<DemOptions> dem_options(const proto::DemInputs& inputs, const JobShare& s
   options.res = res;
   if (inputs.has_type()) {
     if (inputs.type() != "float32" && inputs.type() != "float64")
-      return refuse("type", "'" + inputs.type() + "' is no type of pixels; there are float32 and float64");
+      return refuse("type", "'" + inputs.type() + "' is not a type of pixels; the types are float32 and float64");
     options.doubles = inputs.type() == "float64";
   }
   Light light;

@@ -19,7 +19,7 @@ Result<QuestionAnswer> answer_dem(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRYV(asked.read_surface(options));
   const std::string type = asked.word("type", "float32");
   if (type != "float32" && type != "float64")
-    return error(Errc::usage, "type: '" + type + "' is no type of pixels; there are float32 and float64");
+    return error(Errc::usage, "type: '" + type + "' is not a type of pixels; the types are float32 and float64");
   options.doubles = type == "float64";
   const Bounds& bounds = asked.reader.stored.manifest().bounds;
   BOOST_OUTCOME_TRY(grid, terrain::grid_over(options.res, options.box.value_or(bounds), bounds));

@@ -13,7 +13,7 @@ namespace {
 Result<query::Method> parse_method(const std::string& text) {
   if (text.empty() || text == "linear") return query::Method::linear;
   if (text == "natural") return query::Method::natural;
-  return error(Errc::usage, "'" + text + "' is no way to interpolate; there are linear and natural");
+  return error(Errc::usage, "'" + text + "' is not a method of interpolation; the methods are linear and natural");
 }
 
 }  // namespace

@@ -5,11 +5,11 @@
 // often to whole degrees, and uncertain values must not be regressors. So the fit chooses the height for which angles,
 // not positions, agree best. The direction across and the nadir are not affected.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include "src/base/ieee_arithmetic.h"
+#include "src/surface/track/time_trend.h"
 #include "src/surface/track/window.h"
 
 namespace tessera {
@@ -27,45 +27,6 @@ struct Plane {
   double x = 0, y = 0;
 };
 double dot(Plane a, Plane b) { return a.x * b.x + a.y * b.y; }
-
-// Removes from values of weighted points their trend in time.
-class ByTime {
- public:
-  ByTime(std::span<const double> times, std::span<const double> weights) : times_(times), weights_(weights) {
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      w_ += weights[i];
-      t_ += weights[i] * times[i];
-    }
-    t_ /= w_;
-    for (std::size_t i = 0; i < times.size(); ++i) tt_ += weights[i] * (times[i] - t_) * (times[i] - t_);
-  }
-  // Returns the value at the time 0, and the speed.
-  std::pair<double, double> line(std::span<const double> values) const {
-    double v = 0, tv = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      v += weights_[i] * values[i];
-      tv += weights_[i] * (times_[i] - t_) * values[i];
-    }
-    const double speed = tt_ > 0 ? tv / tt_ : 0;
-    return {v / w_ - speed * t_, speed};
-  }
-  std::vector<double> rest(std::span<const double> values) const {
-    const auto [place, speed] = line(values);
-    std::vector<double> rest(values.begin(), values.end());
-    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= place + speed * times_[i];
-    return rest;
-  }
-  double sum(std::span<const double> a, std::span<const double> b) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += weights_[i] * a[i] * b[i];
-    return sum;
-  }
-  double weight() const { return w_; }
-
- private:
-  std::span<const double> times_, weights_;
-  double w_ = 0, t_ = 0, tt_ = 0;
-};
 
 // Positions relative to the window's first point; times relative to its middle.
 struct Observed {
@@ -89,7 +50,7 @@ std::optional<Fit> solve(const Observed& of) {
   fit.z = ground + 1000;
   fit.degrees.resize(n);
   for (int round = 0; round < rounds; ++round) {
-    const ByTime by_time(of.time, weights);
+    const TimeTrend by_time(of.time, weights);
     for (std::size_t i = 0; i < n; ++i) across_by_angle[i] = (fit.z - of.z[i]) * of.tangent[i];
     const auto c = by_time.rest(across_by_angle), x = by_time.rest(of.x), y = by_time.rest(of.y);
     const Plane direction{by_time.sum(c, x), by_time.sum(c, y)};

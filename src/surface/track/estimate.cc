@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/ieee_arithmetic.h"
+#include "src/surface/track/time_trend.h"
 #include "src/surface/track/window.h"
 
 namespace tessera {
@@ -24,30 +25,20 @@ void drop_strays(std::vector<Window>& windows) {
   const double height = middle_of(heights);
   std::erase_if(windows, [&](const Window& w) { return std::abs(w.height - height) > apart_max * height; });
   if (windows.size() < 4) return;
-  const double begin = windows.front().time;
-  std::vector<double> off(windows.size(), 1);
+  const std::size_t n = windows.size();
+  std::vector<double> times, x, y, z, off(n, 1), weights(n);
+  for (const Window& window : windows) {
+    times.push_back(window.time - windows.front().time);
+    x.push_back(window.at.x);
+    y.push_back(window.at.y);
+    z.push_back(window.at.z);
+  }
   for (int round = 0; round < 30; ++round) {
-    double w = 0, t = 0, tt = 0;
-    Point p, tp;
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      const double weight = 1 / std::max(off[i], 0.001 * height), time = windows[i].time - begin;
-      w += weight;
-      t += weight * time;
-      tt += weight * time * time;
-      for (int k = 0; k < 3; ++k) {
-        p[k] += weight * windows[i].at[k];
-        tp[k] += weight * time * windows[i].at[k];
-      }
-    }
-    const double det = w * tt - t * t;
-    if (!(det > 0)) return;
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      Point away;
-      for (int k = 0; k < 3; ++k) {
-        const double speed = (w * tp[k] - t * p[k]) / det, place = (p[k] - speed * t) / w;
-        away[k] = windows[i].at[k] - place - speed * (windows[i].time - begin);
-      }
-      off[i] = std::sqrt(away.x * away.x + away.y * away.y + away.z * away.z);
+    for (std::size_t i = 0; i < n; ++i) weights[i] = 1 / std::max(off[i], 0.001 * height);
+    const TimeTrend by_time(times, weights);
+    const auto rest_x = by_time.rest(x), rest_y = by_time.rest(y), rest_z = by_time.rest(z);
+    for (std::size_t i = 0; i < n; ++i) {
+      off[i] = std::sqrt(rest_x[i] * rest_x[i] + rest_y[i] * rest_y[i] + rest_z[i] * rest_z[i]);
     }
   }
   std::size_t i = 0;
