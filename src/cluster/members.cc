@@ -73,7 +73,7 @@ std::vector<Members::Loss> Members::lose_silent(Time now) {
   for (const auto& [uuid, member] : members_) {
     if (now - member.heard > lease_) silent.push_back(uuid);
   }
-  for (const NodeUuid& uuid : silent) losses.push_back(*lose(uuid, "has not been heard of for its lease"));
+  for (const NodeUuid& uuid : silent) losses.push_back(*lose(uuid, "has been silent for longer than its lease"));
   if (broken_since_ && now - *broken_since_ >= lease_ / 8) {
     while (!broken_.empty()) losses.push_back(*lose(worst_connected(), "cannot be reached by other nodes"));
   }

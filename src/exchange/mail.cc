@@ -49,7 +49,7 @@ Result<std::vector<Update>> Mail::take(TileStorage& storage) {
     }
     if (bytes != bytes_ || all.size() + held_.size() != updates_) {
       return error(Errc::corrupt,
-                   "tile " + std::to_string(tile_.value) + ": its mail on disk is not what was put there");
+                   "tile " + std::to_string(tile_.value) + ": the updates that wait for it on disk are damaged");
     }
     BOOST_OUTCOME_TRYV(storage.remove(tile_, ScratchKind::mail));
   }

@@ -96,7 +96,9 @@ Result<std::vector<Update>> Outbox::next() {
     FlatReader in(payload);
     bool sound = true;
     while (sound && !in.at_end()) sound = get(in, packet.emplace_back());
-    if (!sound) return error(Errc::corrupt, scratch_.string() + ": is not what was put there");
+    if (!sound)
+      return error(Errc::corrupt,
+                   scratch_.string() + ": is damaged: it does not hold the updates that were written to it");
     spilled_bytes_ -= spilled_.front().bytes;
     spilled_.pop_front();
     if (spilled_.empty()) {

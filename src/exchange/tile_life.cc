@@ -27,7 +27,7 @@ auto TileLife::with_what_was_read(const Work& work) -> decltype(work()) {
   const std::string name = "tile " + std::to_string(self_.tile.value) + ": ";
   if (!read_back_) return error(Errc::internal, name + reason);
   BOOST_OUTCOME_TRYV(remove_beginnings(*context_.storage, self_.tile));
-  return error(Errc::corrupt, name + "what it has left on disk cannot be gone on with: " + reason);
+  return error(Errc::corrupt, name + "its files on disk do not fit, so the tile cannot continue from them: " + reason);
 }
 
 Status TileLife::begin() {

@@ -40,8 +40,8 @@ std::string difference(const Manifest& manifest, const TileEntry& entry, const S
       (with_cells && (mesh.cell_ghost.size() != entry.cells || count_zeros(mesh.cell_ghost) != entry.main_cells)))
     return other_numbers;
   if (with_cells && entry.cells > 0 && mesh.neighbors.empty() == manifest.neighbors)
-    return manifest.neighbors ? "has no neighbours, though the manifest says so"
-                              : "has neighbours, though the manifest says it has none";
+    return manifest.neighbors ? "has no neighbours, though the manifest says that it has"
+                              : "has neighbours, though the manifest says that it has none";
   if (tile.schema != manifest.schema) return other_attributes;
   if (tile.cell_schema != cell_schema_of(manifest)) return other_cell_columns;
   return {};
@@ -164,7 +164,7 @@ Result<StoredTile> TileSource::read(std::size_t i, const TileParts& parts) const
   BOOST_OUTCOME_TRY(tile, of_points ? read_points(i, parts) : store::read_tile(path, entry(i).tile, parts));
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   if (bytes != entry(i).bytes)
-    return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, the manifest says " +
+    return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but the manifest says " +
                                     std::to_string(entry(i).bytes));
   if (const auto found = difference(manifest(), entry(i), tile, parts.cells); !found.empty())
     return error(Errc::corrupt, path.string() + ": " + found);
@@ -175,7 +175,7 @@ Result<std::vector<PointId>> TileSource::read_own_ids(std::size_t i) const {
   BOOST_OUTCOME_TRY(ids, entry(i).kind == TileKind::points ? read_own_point_ids(file(i), entry(i).tile)
                                                            : store::read_own_ids(file(i), entry(i).tile));
   if (ids.size() != entry(i).own_points)
-    return error(Errc::corrupt, file(i).string() + ": holds other numbers of vertices than the manifest says");
+    return error(Errc::corrupt, file(i).string() + ": holds another number of vertices than the manifest says");
   return std::move(ids);
 }
 

@@ -56,7 +56,8 @@ class Joining {
       number_names(r);
       out_.first.push_back(static_cast<std::uint32_t>(cells_));
       cells_ += regions_[r].kernel.graph.cells();
-      if (cells_ > cut::cells_max) return error(Errc::memory, "more cells are undecided than fit into one cut");
+      if (cells_ > cut::cells_max)
+        return error(Errc::memory, "the tiles leave more cells undecided than fit into one cut");
       number_arcs(r);
     }
     cut::CutGraph& graph = out_.region.graph;

@@ -53,7 +53,7 @@ Result<Bytes> JoinWork::end(TileId self, const PieceInbox&) const {
   const std::uint32_t cells = joined.region.graph.cells();
   if (step_ == Step::cut && !joined.region.names.empty())
     return error(Errc::corrupt, "a tile has a border towards tile " + to_string(joined.region.names.front().to) +
-                                    ", which is not there");
+                                    ", which is missing");
   BOOST_OUTCOME_TRY(kernel, kernel_of(std::move(joined.region), options().prove));
   if (step_ != Step::cut) {
     BOOST_OUTCOME_TRYV(store().write(kernel_of_level(level), self, bytes_of(kernel)));

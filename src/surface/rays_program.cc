@@ -65,7 +65,8 @@ void RaysProgram::send(RayCaster& caster) {
 }
 
 Status RaysProgram::take(TileId, bool, Message message) {
-  if (message.size() % sizeof(RayRecord) != 0) return error(Errc::internal, "a message is no rays");
+  if (message.size() % sizeof(RayRecord) != 0)
+    return error(Errc::internal, "a message between tiles is not a list of rays");
   FlatReader in(message);
   RayRecord ray;
   while (in.value(ray))

@@ -148,7 +148,8 @@ class Builder {
   Status add(const ArcRecord& record) {
     BOOST_OUTCOME_TRY(cell, tile_.find(record.cell));
     BOOST_OUTCOME_TRY(k, tile_.corner_of(cell, record.opposite));
-    if (!tile_.is_main(cell)) return tile_.corrupt("another tile tells of an arc that is none of its own");
+    if (!tile_.is_main(cell))
+      return tile_.corrupt("another tile has sent an arc of a cell that is not main in this tile");
     if (record.across_tile != tile_.self()) {
       add_border(cell, k, record.across_tile, record.out, record.in);
       return success();
@@ -158,7 +159,8 @@ class Builder {
     std::sort(other.begin(), other.end());
     BOOST_OUTCOME_TRY(across, tile_.find(other));
     BOOST_OUTCOME_TRY(back, tile_.corner_of(across, record.across));
-    if (!tile_.is_main(across)) return tile_.corrupt("another tile tells of an arc to a cell that is not main here");
+    if (!tile_.is_main(across))
+      return tile_.corrupt("another tile has sent an arc to a cell that is not main in this tile");
     const cut::Arc arc = arc_of(cell, k);
     region_.graph.capacity[arc] = record.out;
     region_.graph.back[arc] = arc_of(across, back);

@@ -210,7 +210,7 @@ class Smoother {
     for (const PlaceRecord& record : mail) {
       const auto found = std::ranges::lower_bound(sheet.ids, record.vertex.value);
       if (found == sheet.ids.end() || *found != record.vertex.value)
-        return error(Errc::internal, "a tile is told of a vertex that it does not have");
+        return error(Errc::internal, "a tile has received a position of a vertex that it does not have");
       sheet.at[sheet.foreign[static_cast<std::size_t>(found - sheet.ids.begin())]] = record.at;
     }
     return sheet;

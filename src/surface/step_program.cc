@@ -26,7 +26,8 @@ Status StepProgram::begin_settled(Message settled) {
 
 Status StepProgram::take(TileId from, bool, Message message) {
   if (message.empty()) return success();  // the tile's call to itself
-  if (!told_.add(from, std::move(message))) return error(Errc::internal, "a message is no piece of mail");
+  if (!told_.add(from, std::move(message)))
+    return error(Errc::internal, "a message between tiles is not a numbered piece of mail");
   return success();
 }
 

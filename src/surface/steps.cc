@@ -35,7 +35,7 @@ struct BinRecord {
 enum Kind : std::uint32_t { bins, sums, votes, arcs, labels };
 
 Error not_records(TileId self) {
-  return error(Errc::internal, "tile " + to_string(self) + " was told what no tile says");
+  return error(Errc::internal, "tile " + to_string(self) + " has received a message that is not a list of records");
 }
 
 template <class Record>
@@ -96,7 +96,7 @@ class ScalesWork final : public KeptWork {
       if ((below += count) > all / 2) break;
     }
     if (!(median > 0) || !std::isfinite(median))
-      return error(Errc::usage, "the points are too near to each other, or too far apart, for a scale");
+      return error(Errc::usage, "the points are too near to each other, or too far apart, to find a scale");
     return median;
   }
 };

@@ -50,7 +50,8 @@ Result<RoutedPoints> read_stretch(const std::filesystem::path& run_folder, std::
   const auto path = stretch_file(run_folder, attempt);
   BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::split, owner_of(partition, attempt)));
   RoutedPoints routed(partition.dimension());
-  if (!from_bytes(bytes, partition.tiles(), routed)) return damaged_run(path, "is not what a stretch leaves");
+  if (!from_bytes(bytes, partition.tiles(), routed))
+    return damaged_run(path, "is not a valid list of the points that were routed");
   return routed;
 }
 

@@ -288,7 +288,7 @@ TEST_F(Versions, WithoutSecondNamesForFilesACopyIsKeptAndNothingIsRemoved) {
 TEST_F(Versions, AStrangeTileFileIsDamageStill) {
   add("a", 100);
   fs::copy_file(out_ / "tiles/000000.vtu", out_ / "tiles/000007.vtu");
-  EXPECT_NE(verified().find("000007.vtu: is no tile of the manifest"), std::string::npos) << verified();
+  EXPECT_NE(verified().find("000007.vtu: is not a tile of the manifest"), std::string::npos) << verified();
 }
 
 }  // namespace

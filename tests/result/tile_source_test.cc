@@ -75,7 +75,7 @@ TEST_P(TileSourceOf, ATileThatIsNotWhatTheManifestSaysIsCorrupt) {
   EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].cells; }), numbers));
   EXPECT_TRUE(says(read_with([](Manifest& m) { --m.tiles[1].main_cells; }), numbers));
   EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].own_points; }, {.cells = false}), numbers));
-  EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].bytes; }), "bytes, the manifest says"));
+  EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].bytes; }), "bytes, but the manifest says"));
   EXPECT_TRUE(says(read_with([](Manifest& m) { m.neighbors = false; }), "neighbours"));
   EXPECT_TRUE(says(read_with([](Manifest& m) { m.schema[0].name = "other"; }), "attributes"));
   EXPECT_EQ(read_with([](Manifest& m) { ++m.tiles[1].cells; }, {.cells = false}), "") << "nobody asked for them";

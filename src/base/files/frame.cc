@@ -87,11 +87,12 @@ class FrameReader {
     BOOST_OUTCOME_TRY(header, next_header());
     BigVector<std::byte> payload(header.length);
     BOOST_OUTCOME_TRYV(read(payload));
-    if (header.checksum != checksum_of(header, payload)) return damaged("has another checksum than was written");
-    if (header.owner.run != owner.run) return damaged("belongs to another run");
+    if (header.checksum != checksum_of(header, payload))
+      return damaged("the frame is damaged: its checksum is not the one that was written");
+    if (header.owner.run != owner.run) return damaged("the frame belongs to another run");
     if (header.owner.item != owner.item)
-      return damaged("belongs to " + std::to_string(header.owner.item) + " of the run, not to " +
-                     std::to_string(owner.item));
+      return damaged("the frame belongs to number " + std::to_string(header.owner.item) +
+                     " of the run, not to number " + std::to_string(owner.item));
     begin_ = at_;
     return payload;
   }
@@ -116,17 +117,18 @@ class FrameReader {
     Header header;
     const std::uint64_t left = std::min<std::uint64_t>(size_ - at_, sizeof header);
     BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&header, 1)).first(left)));
-    if (left >= sizeof header.magic && header.magic == older_magic) return damaged("is a frame of older software");
-    if (left < sizeof header) return damaged("ends in the middle of a frame");
-    if (header.magic != magic) return damaged("is no frame");
-    if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("is a frame of another kind");
-    if (header.length > size_ - at_) return damaged("ends in the middle of a frame");
+    if (left >= sizeof header.magic && header.magic == older_magic)
+      return damaged("the frame has the format of an older version of Tessera");
+    if (left < sizeof header) return damaged("the file ends in the middle of a frame");
+    if (header.magic != magic) return damaged("no frame begins here");
+    if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("the frame is of another kind than expected");
+    if (header.length > size_ - at_) return damaged("the file ends in the middle of a frame");
     return header;
   }
 
   Status read(std::span<std::byte> buffer) {
     BOOST_OUTCOME_TRY(done, read_up_to(file_.get(), buffer, at_, path_));
-    if (done != buffer.size()) return damaged("became shorter while it was read");
+    if (done != buffer.size()) return damaged("the file became shorter while it was read");
     at_ += done;
     return success();
   }
@@ -157,9 +159,9 @@ Status write_frame(const fs::path& path, ScratchKind kind, const FrameOwner& own
 
 Result<BigVector<std::byte>> read_frame(const fs::path& path, ScratchKind kind, const FrameOwner& owner) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
-  if (frames.at_end()) return frames.damaged("is empty");
+  if (frames.at_end()) return frames.damaged("the file is empty");
   BOOST_OUTCOME_TRY(payload, frames.next(owner));
-  if (!frames.at_end()) return frames.damaged("goes on after its one frame");
+  if (!frames.at_end()) return frames.damaged("the file has more bytes after its only frame");
   return std::move(payload);
 }
 

@@ -52,7 +52,7 @@ std::uint64_t bytes_a_point(const ResultStages& stages, const TileSource& source
 
 Result<std::shared_ptr<const ResultStages>> ResultShares::kind(const std::string& name) const {
   const auto found = kinds_.find(name);
-  if (found == kinds_.end()) return error(Errc::internal, "this node does not know jobs of the kind " + name);
+  if (found == kinds_.end()) return error(Errc::internal, "this node cannot run jobs of the kind " + name);
   return found->second;
 }
 
@@ -70,10 +70,11 @@ Result<std::unique_ptr<Share>> ResultShares::open(const ShareSpec& spec, NodeId 
   const std::filesystem::path run = spec.run_folder;
   BOOST_OUTCOME_TRY(stages, kind(spec.stages));
   BOOST_OUTCOME_TRY(source, TileSource::open(spec.out_folder));
-  if (spec.table.stage >= stages->count()) return error(Errc::internal, run.string() + ": has no such stage");
+  if (spec.table.stage >= stages->count())
+    return error(Errc::internal, run.string() + ": does not have the stage that the job asks for");
   auto weights = weights_of(source);
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != weights.size())
-    return error(Errc::internal, spec.out_folder + ": has other tiles than the job");
+    return error(Errc::internal, spec.out_folder + ": has another number of tiles than the job");
   const auto here = [&](TileId tile) {
     return tile.value < weights.size() && weights[tile.value] > 0 && spec.table.node_of(tile) == self;
   };

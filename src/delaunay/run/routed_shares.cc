@@ -82,8 +82,9 @@ namespace {
 // Of each tile that is the node's; 0 of the others.
 Result<std::vector<std::uint64_t>> points_of_share(const ShareSpec& spec, const RoutedCloud& run, NodeId self) {
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != run.tile_points.size())
-    return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
-  if (spec.table.stage > 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
+    return error(Errc::internal, spec.run_folder + ": has another number of tiles than the job");
+  if (spec.table.stage > 0)
+    return error(Errc::internal, spec.run_folder + ": has only one stage, and the job asks for another");
   std::vector<std::uint64_t> points = run.tile_points;
   for (std::uint32_t t = 0; t < points.size(); ++t) {
     if (spec.table.node_of(TileId{t}) != self) points[t] = 0;

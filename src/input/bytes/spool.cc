@@ -112,7 +112,7 @@ Result<std::shared_ptr<const ByteSource>> Spool::keep(Origin origin, FileFormat 
       return unknown_format(origin.path);
     if ((bytes_ += block.size()) > bytes_max_ && bytes_max_ > 0) {
       return error(Errc::memory, name +
-                                     ": holds more than may be unpacked here: with it and what came before it, over " +
+                                     ": is too large to unpack here: with the files unpacked before it, it exceeds " +
                                      megabytes(bytes_max_));
     }
     BOOST_OUTCOME_TRYV(Ledger::draw_write(block.size()));

@@ -39,7 +39,8 @@ class PointwiseDecoder : public ChunkDecoder {
   // The first point is stored uncompressed.
   Status begin(std::byte* record) {
     begun_ = true;
-    if (chunk_.end - chunk_.begin < record_bytes_) return error(Errc::bad_input, "ends within its first point");
+    if (chunk_.end - chunk_.begin < record_bytes_)
+      return error(Errc::bad_input, "the chunk ends within its first point");
     BOOST_OUTCOME_TRYV(source_.read(chunk_.begin, std::span(record, record_bytes_)));
     for (const auto& item : items_) {
       item.decoder->first(record);

@@ -34,7 +34,9 @@ Status check_leftovers(const fs::path& folder, const Format& format, const std::
   FolderReader reader(folder);
   while (const char* name = reader.next())
     if (fs::path(name).extension() == format.ending && !names.contains(name))
-      return error(Errc::usage, (folder / name).string() + ": would stay among the new files; remove it first");
+      return error(Errc::usage,
+                   (folder / name).string() +
+                       ": is a file of an older export, and would stay among the new files; remove it first");
   if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
     return io_error(folder, "cannot be listed", reader.error().value());
   return success();

@@ -31,8 +31,9 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
   }
   if (vertices != manifest.vertices || main_cells != manifest.cells)
     return error(Errc::corrupt, source.out.string() + ": its manifest counts " + std::to_string(manifest.vertices) +
-                                    " vertices and " + std::to_string(manifest.cells) + " cells, but of its tiles " +
-                                    std::to_string(vertices) + " and " + std::to_string(main_cells));
+                                    " vertices and " + std::to_string(manifest.cells) +
+                                    " cells, but its list of tiles counts " + std::to_string(vertices) + " and " +
+                                    std::to_string(main_cells));
   if (numbers_wanted || source.filter.active()) {
     BOOST_OUTCOME_TRY(numbers, VertexNumbers::prepare(*source.tiles, source.filter, source.stop));
     selection.numbers = std::move(numbers);
@@ -56,9 +57,9 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
     selection.cells += cells;
   }
   if (selection.cells == 0 && manifest.cells > 0)
-    return error(Errc::usage, source.out.string() + ": no cell is left, each has an edge longer than " +
-                                  shortest_digits(*source.options.max_edge) + "; the shortest longest edge is " +
-                                  shortest_digits(shortest) + ", give a larger " + option("max-edge"));
+    return error(Errc::usage, source.out.string() + ": no cell is left, because each has an edge longer than " +
+                                  shortest_digits(*source.options.max_edge) + "; give at least " +
+                                  shortest_digits(shortest) + " as " + option("max-edge"));
   const auto used = selection.numbers.used_by_tile();
   selection.vertices = 0;
   for (std::size_t index = 0; index < used.size(); ++index) {

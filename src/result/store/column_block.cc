@@ -187,7 +187,7 @@ const char* ColumnBlocks::take(std::span<const std::byte> block, const ColumnRoo
   if (const char* wrong =
           column.type == AttributeType::f64 ? take_doubles(block, numbers) : integers_.take(block, numbers))
     return wrong;
-  if (!block.empty()) return "has bytes behind its end";
+  if (!block.empty()) return "has bytes after its end";
   if (const std::size_t size = size_of(column.type); size < 8)
     if (bits_of(numbers) >> (8 * size) != 0) return "has a value too large for its type";
   if (column.type == AttributeType::f32)

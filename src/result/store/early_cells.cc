@@ -138,7 +138,7 @@ Status take_early_cells(const fs::path& out, TileId tile, EarlyCells& early, con
   BOOST_OUTCOME_TRY(bytes, file_bytes(there));
   BOOST_OUTCOME_TRY(sum, checksum_file(there, SumOf::pieces));
   if (bytes != early.begun.bytes || sum != checksum(std::as_bytes(std::span(early.begun.sums))))
-    return error(Errc::corrupt, there.string() + ": is not what was written early of the tile");
+    return error(Errc::corrupt, there.string() + ": is damaged: it does not hold the cells that were written early");
   if (there == here) return success();
   BOOST_OUTCOME_TRYV(rename_file(there, here));
   early.node = options.node;

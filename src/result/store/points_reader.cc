@@ -168,7 +168,7 @@ Status PointsReader::check_values(const PointsTile& tile, Of of, std::uint64_t b
     const char* wrong = !is_finite(p)                                                             ? " is not finite"
                         : is_negative_zero(p.x) || is_negative_zero(p.y) || is_negative_zero(p.z) ? " is at -0"
                         : of == Of::foreign && tile.owners[i] == tile.tile
-                            ? " is the tile's own, and stands among foreign ones"
+                            ? " belongs to the tile, but stands among the foreign points"
                             : nullptr;
     if (wrong != nullptr) return corrupt("points", "point " + std::to_string(i) + wrong);
   }

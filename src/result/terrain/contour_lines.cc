@@ -60,9 +60,9 @@ Status ContourLines::add(std::int64_t level, std::span<const LinePoint> points) 
   BOOST_OUTCOME_TRY(line, write(level, points));
   if (closed) return sorted_.push(line);
   if (parts_.size() >= parts_max_)
-    return error(Errc::memory, "the lines end more than " + std::to_string(parts_max_) +
-                                   " times at borders of tiles, for which there is no memory: give a larger " +
-                                   option("interval") + " or more " + option("memory"));
+    return error(Errc::memory, "the memory is too small: more than " + std::to_string(parts_max_) +
+                                   " lines end at borders of tiles; give a larger " + option("interval") + " or more " +
+                                   option("memory"));
   parts_.push_back({line, points.back().a, points.back().b});
   return success();
 }

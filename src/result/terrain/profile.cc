@@ -128,8 +128,8 @@ Result<int> parse_digits(const std::string& text) {
   int digits = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), digits);
   if (failed != std::errc() || end != text.data() + text.size() || digits < 0 || digits > digits_most)
-    return error(Errc::usage, "'" + text + "' is no number of decimals from 0 to " + std::to_string(digits_most) +
-                                  ", nor all or data");
+    return error(Errc::usage, "'" + text + "' is not a number of decimals from 0 to " + std::to_string(digits_most) +
+                                  ", all or data");
   return digits;
 }
 

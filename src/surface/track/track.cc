@@ -63,7 +63,8 @@ Result<std::array<std::optional<std::size_t>, names.size()>> columns_of(const Ro
     const auto found = std::find(cells.begin(), cells.end(), names[i]);
     if (found != cells.end()) columns[i] = static_cast<std::size_t>(found - cells.begin());
     if (!columns[i] && names[i] != "line")
-      return rows.bad("the header names no column '" + std::string(names[i]) + "'; it has to be as time,x,y,z,line");
+      return rows.bad("the header names no column '" + std::string(names[i]) +
+                      "'; the header must be time,x,y,z or time,x,y,z,line");
   }
   return columns;
 }
@@ -96,10 +97,11 @@ Result<Track> Track::parse(std::string_view text, const std::filesystem::path& f
     if (line < 0 || line > std::numeric_limits<std::uint32_t>::max() || line != std::floor(line))
       return rows.bad("line is not a whole number of 32 bits");
     auto& places = track.lines_[static_cast<std::uint32_t>(line)];
-    if (!places.empty() && places.back().time >= values[0]) return rows.bad("its time is not after the one before");
+    if (!places.empty() && places.back().time >= values[0])
+      return rows.bad("its time is not after that of the line before");
     places.push_back({values[0], without_negative_zero({values[1], values[2], values[3]})});
   }
-  if (track.empty()) return error(Errc::bad_input, file.string() + ": has no places");
+  if (track.empty()) return error(Errc::bad_input, file.string() + ": has no positions, only a header");
   return track;
 }
 

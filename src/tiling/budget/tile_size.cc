@@ -108,7 +108,7 @@ Status tile_fits_a_node(int dimension, KernelKind kernel, std::uint64_t points, 
   });
   return error(Errc::memory, "a tile of " + std::to_string(points) + " points needs about " +
                                  in_mebibytes(tile_working_bytes(dimension, kernel, points)) +
-                                 " of memory beside what a node needs itself, and no node has it: of " +
+                                 " of memory beside what a node needs itself, and no node has so much: of " +
                                  std::to_string(nodes.size()) + " node " + most->name + " gives a job most, " +
                                  in_mebibytes(most->memory_bytes) + "; ask for smaller tiles, or give nodes more " +
                                  option("memory"));
