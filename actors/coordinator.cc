@@ -99,7 +99,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       },
       [this](ShareReleased& released) {
         attempt([&] {
-          if (!course_.is(At::finding) && placements_.answer(released.node, released.tiles)) place_orphans();
+          if (!course_.is(At::finding) && placements_.take_answer(released.node, released.tiles)) place_orphans();
         });
       },
       [this](const NodeLost& lost) {

@@ -28,7 +28,7 @@ void ShareActor::post(Update update) {
   if (!office_->routes()->part_of(to)) return;
   Outbox& outbox = outboxes_
                        .try_emplace(to, part_->outboxes,
-                                    part_->scratch.empty() ? part_->scratch : gate_scratch_file(part_->scratch, to))
+                                    part_->scratch.empty() ? part_->scratch : outbox_scratch_file(part_->scratch, to))
                        .first->second;
   if (Status added = outbox.add(std::move(update)); !added) {
     stop_for_gate(std::move(added).error());

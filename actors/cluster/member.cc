@@ -265,8 +265,8 @@ void Member::leave_unheard() {
     expel({"had nothing that others would go on with", false});
 }
 
-NodePlace Member::place() const {
-  NodePlace place;
+MembershipStatus Member::place() const {
+  MembershipStatus place;
   place.member = state_ == State::member && !expelled_;
   place.leaves = leaves_;
   place.others = static_cast<std::uint64_t>(

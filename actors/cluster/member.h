@@ -69,7 +69,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void leave();
   void leave_unheard();
   void expel(const Expelled& expelled);
-  NodePlace place() const;
+  MembershipStatus place() const;
 
   MemberOptions options_;
   State state_ = State::seeking;

@@ -80,13 +80,13 @@ MemberList Seat::list() const {
   return list;
 }
 
-NodePlace Seat::place() const {
+MembershipStatus Seat::place() const {
   caf::scoped_actor self{*system_, true};
-  NodePlace place;
+  MembershipStatus place;
   place.trouble = "leaves the cluster";
   self->request(member_, caf::infinite, AskPlace{})
       // On an error the member is ending.
-      .receive([&](NodePlace& answer) { place = std::move(answer); }, [](const caf::error&) {});
+      .receive([&](MembershipStatus& answer) { place = std::move(answer); }, [](const caf::error&) {});
   return place;
 }
 

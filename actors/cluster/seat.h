@@ -22,7 +22,7 @@ class Seat final : public Membership {
   void prepare(caf::actor_system_config& config) override;
   Status take(caf::actor_system& system, const Own& own) override;
   void leave() noexcept override;
-  NodePlace place() const override;
+  MembershipStatus place() const override;
   void depart() const override;
   std::vector<NodeState> members() const override;
   std::uint64_t lost() const override { return list().lost; }

@@ -33,7 +33,7 @@ class Membership {
   virtual void leave() noexcept = 0;
 
   // REQUIRES: this process is a node.
-  virtual NodePlace place() const = 0;
+  virtual MembershipStatus place() const = 0;
   // As Engine::depart().
   virtual void depart() const = 0;
 

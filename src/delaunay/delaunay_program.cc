@@ -196,7 +196,7 @@ Result<bool> DelaunayProgram::wake(Image image) {
   ImageEnd end;
   triangulation_ = decode(std::move(image), end);
   if (!triangulation_ || end.own_points != own_points_ || end.finals_sum != finals_sum_) return false;
-  if (earlier_) triangulation_->forget_words();
+  if (earlier_) triangulation_->forget_told_bits();
   if (!triangulation_->reduced()) {
     BOOST_OUTCOME_TRYV(load_own_points());
   }

@@ -70,7 +70,7 @@ std::size_t Placements::lose(NodeId node) {
   return lost_.size() - before;
 }
 
-bool Placements::answer(NodeId node, std::span<const TileId> tiles) {
+bool Placements::take_answer(NodeId node, std::span<const TileId> tiles) {
   const auto asked = asked_.find(node);
   if (asked == asked_.end()) return false;  // the node was lost meanwhile, and its tiles with it
   asked_.erase(asked);

@@ -56,10 +56,10 @@ class Placements {
   void release(std::span<const TileId> tiles) { released_.insert(released_.end(), tiles.begin(), tiles.end()); }
 
   // A node was asked to give up some of its tiles. A node may be asked several times, and owes one answer each time.
-  // answer() takes the tiles that it has given up. It returns false, and ignores them, when no answer is owed: the node
-  // was lost meanwhile.
+  // take_answer() takes the tiles that it has given up. It returns false, and ignores them, when no answer is owed: the
+  // node was lost meanwhile.
   void ask(NodeId node) { asked_.insert(node); }
-  bool answer(NodeId node, std::span<const TileId> tiles);
+  bool take_answer(NodeId node, std::span<const TileId> tiles);
   // The node is to hand over all tiles that it has begun. Returns false when it already does so.
   bool begin_handing(NodeId node) { return handing_.insert(node).second; }
   // The node has handed over: its tiles go on elsewhere. Returns false when the node was not asked to hand over.

@@ -200,7 +200,7 @@ void ResultFolder::remove_unfinished() {
   fs::remove(out_, ignored);  // only when empty
 }
 
-bool ResultFolder::interrupted() {
+bool ResultFolder::abandon_unless_resumable() {
   // If that is unknown, the run stays.
   if (const auto run = has_run(); !run || run.value()) return true;
   abandon();

@@ -81,7 +81,7 @@ std::uint64_t Pass::scratch_bytes() const {
   return bytes;
 }
 
-Status Pass::run(const Compute& compute, const Take& take) {
+Status Pass::run(const Compute& compute, const Consumer& take) {
   constexpr double computing_part = 0.6;
   BOOST_OUTCOME_TRYV(make_directories(pass_values_file(scratch_, {}).parent_path()));
   BOOST_OUTCOME_TRYV(make_directories(pass_sent_file(scratch_, {}).parent_path()));

@@ -169,7 +169,7 @@ class Builder {
 
   // To get the greatest source set, source and sink change roles: the rest of the smallest source set of that graph is
   // the greatest set of this one.
-  Result<Region> take() {
+  Result<CutRegion> take() {
     cut::CutGraph& graph = region_.graph;
     if (!rule_.unknown_inside) {
       for (auto& excess : graph.excess) excess = -excess;
@@ -228,13 +228,13 @@ class Builder {
   const Energy& energy_;
   const CutRule& rule_;
   BigVector<std::uint32_t> number_;  // by cell of the tile: the cell in the graph
-  Region region_;
+  CutRegion region_;
 };
 
 }  // namespace
 
-Result<Region> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule,
-                         std::span<const ArcRecord> arcs) {
+Result<CutRegion> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule,
+                            std::span<const ArcRecord> arcs) {
   Builder builder(tile, energy, rule);
   BOOST_OUTCOME_TRYV(builder.add_own());
   for (const ArcRecord& arc : arcs) {

@@ -57,7 +57,7 @@ void StepProgram::free() {
 
 Result<std::unique_ptr<Finished>> StepProgram::finish() {
   BOOST_OUTCOME_TRY(bytes, work_.end(self_, told_));
-  return std::unique_ptr<Finished>(std::make_unique<StepEnd>(store_, kept_of(step_), self_, std::move(bytes)));
+  return std::unique_ptr<Finished>(std::make_unique<StepEnd>(store_, output_of(step_), self_, std::move(bytes)));
 }
 
 std::size_t StepProgram::memory() const {

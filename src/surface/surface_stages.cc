@@ -121,12 +121,12 @@ Result<std::vector<std::shared_ptr<const TilePrograms>>> SurfaceStages::programs
   const auto shared = std::make_shared<const StepInput>(std::move(all));
   std::vector<std::shared_ptr<const TilePrograms>> programs;
   for (std::uint32_t step = 0; step < steps_count; ++step)
-    programs.push_back(programs_of(static_cast<Step>(step), shared, store));
+    programs.push_back(programs_of(static_cast<SurfaceStageId>(step), shared, store));
   return programs;
 }
 
 Result<std::vector<TileReceipt>> SurfaceStages::stored(const std::filesystem::path& run, std::uint32_t stage) const {
-  BOOST_OUTCOME_TRY(tiles, tiles_kept(run, kept_of(static_cast<Step>(stage))));
+  BOOST_OUTCOME_TRY(tiles, tiles_kept(run, output_of(static_cast<SurfaceStageId>(stage))));
   std::vector<TileReceipt> stored;
   for (const TileId tile : tiles) stored.push_back({tile, {}});
   return stored;

@@ -240,7 +240,7 @@ TEST_F(Versions, ADamagedColumnOfATileKeptAsPointsIsToldWithItsPlace) {
     auto bad = good;
     bad[at] ^= std::byte{1};
     ASSERT_TRUE(write_whole(path, bad));
-    manifest.tiles[0].xxh3 = checksum_file(path, SumOf::pieces).value();
+    manifest.tiles[0].xxh3 = checksum_file(path, ChecksumOf::pieces).value();
     ASSERT_TRUE(write_whole(manifest_file(out_), store::manifest_to_text(manifest)));
     EXPECT_EQ(verified(), path.string() + ", " + head.place(column) + ", block 0: is damaged");
   }

@@ -24,7 +24,7 @@ class TileSourceOf : public testing::TestWithParam<int> {
     manifest_ = store_sample(folder_.path(), meshes_, options_);
   }
   // The manifest with a lie in it.
-  std::string read_with(const std::function<void(Manifest&)>& lie, const TileParts& parts = {}) {
+  std::string read_with(const std::function<void(Manifest&)>& lie, const TileFields& parts = {}) {
     Manifest changed = manifest_;
     lie(changed);
     EXPECT_TRUE(write_whole(manifest_file(folder_.path()), store::manifest_to_text(changed)));

@@ -116,7 +116,7 @@ struct Sound {
   }
   void write_duplicates(const Pairs& pairs) {
     ASSERT_TRUE(write_whole(duplicates_file(out), std::as_bytes(std::span(pairs))));
-    manifest.duplicates_xxh3 = checksum_file(duplicates_file(out), SumOf::pieces).value();
+    manifest.duplicates_xxh3 = checksum_file(duplicates_file(out), ChecksumOf::pieces).value();
     manifest.duplicates = pairs.size();
   }
 };

@@ -98,11 +98,11 @@ class FrameReader {
   }
 
   // The owner and place of the next frame, whose payload is skipped.
-  Result<FramePlace> next_place() {
+  Result<FrameOffset> next_offset() {
     const std::uint64_t at = at_;
     BOOST_OUTCOME_TRY(header, next_header());
     at_ = begin_ = at_ + header.length;
-    return FramePlace{header.owner, at};
+    return FrameOffset{header.owner, at};
   }
 
   Error damaged(const std::string& what) const {
@@ -174,16 +174,16 @@ Status for_each_frame(const fs::path& path, ScratchKind kind, const FrameOwner& 
   return success();
 }
 
-Result<std::vector<FramePlace>> places_of_frames(const fs::path& path, ScratchKind kind) {
+Result<std::vector<FrameOffset>> frame_offsets(const fs::path& path, ScratchKind kind) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
-  std::vector<FramePlace> places;
+  std::vector<FrameOffset> offsets;
   while (!frames.at_end()) {
-    const auto place = frames.next_place();
-    if (!place && place.error().code == Errc::corrupt) break;
-    if (!place) return place.error();
-    places.push_back(place.value());
+    const auto offset = frames.next_offset();
+    if (!offset && offset.error().code == Errc::corrupt) break;
+    if (!offset) return offset.error();
+    offsets.push_back(offset.value());
   }
-  return places;
+  return offsets;
 }
 
 Result<BigVector<std::byte>> read_frame_at(const fs::path& path, ScratchKind kind, const FrameOwner& owner,

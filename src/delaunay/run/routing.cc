@@ -64,7 +64,7 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
   return Cloud::of(std::move(files), std::move(schema), std::move(options));
 }
 
-Result<InputSplit> stretch_of(const proto::Routing& routing, const std::filesystem::path& path, std::size_t number) {
+Result<InputSplit> split_of(const proto::Routing& routing, const std::filesystem::path& path, std::size_t number) {
   if (number >= static_cast<std::size_t>(routing.splits_size()))
     return damaged_run(path, "does not have the piece of the input that is asked for");
   InputSplit split;
@@ -127,7 +127,7 @@ Status route_split(const std::filesystem::path& run_folder, std::size_t split, s
   const auto path = routing_file(run_folder);
   BOOST_OUTCOME_TRY(routing, read_routing(path));
   BOOST_OUTCOME_TRY(cloud, cloud_of(routing, path, threads));
-  BOOST_OUTCOME_TRY(wanted, stretch_of(routing, path, split));
+  BOOST_OUTCOME_TRY(wanted, split_of(routing, path, split));
   auto partition = Partition::from_json(routing.partition());
   if (!partition) return damaged_run(path, partition.error().where);
   return route_split(cloud, wanted, partition.value(), work, stop);

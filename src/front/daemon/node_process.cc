@@ -47,7 +47,7 @@ class Health final : public http::NodeHealth {
 
   http::NodeFigures figures() const override {
     const NodeWork work = engine_.work();
-    const NodePlace place = engine_.place();
+    const MembershipStatus place = engine_.place();
     http::NodeFigures out;
     out.memory_budget_bytes = options_.memory_bytes;
     out.memory_used_bytes = engine_.memory_used();
@@ -69,7 +69,7 @@ class Health final : public http::NodeHealth {
     return out;
   }
   std::optional<std::string> unready() const override {
-    const NodePlace place = engine_.place();
+    const MembershipStatus place = engine_.place();
     if (place.leaves) return "leaves the cluster";
     if (place.member) return std::nullopt;
     return place.trouble;
@@ -88,7 +88,7 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
   BOOST_OUTCOME_TRY(lock, FolderLock::take(scratch));
   FolderReader reader(scratch);
   while (const char* name = reader.next()) {
-    if (!is_part_scratch_name(name)) continue;
+    if (!is_share_scratch_name(name)) continue;
     BOOST_OUTCOME_TRYV(remove_whole(scratch / name));
   }
   if (reader.error()) return io_error(scratch, "cannot be listed", reader.error().value());

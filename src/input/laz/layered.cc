@@ -21,7 +21,7 @@ constexpr std::size_t point_bytes = 30, block_points = 4096;
 
 class LayeredDecoder : public ChunkDecoder {
  public:
-  LayeredDecoder(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan, const Chunk& chunk)
+  LayeredDecoder(const ByteSource& source, const LazLayout& layout, const WantedFields& plan, const Chunk& chunk)
       : source_(source), layout_(layout), plan_(plan), chunk_(chunk) {}
 
   Status decode(std::size_t n, std::byte* records) override {
@@ -146,7 +146,7 @@ class LayeredDecoder : public ChunkDecoder {
 
   const ByteSource& source_;
   LazLayout layout_;
-  RecordPlan plan_;
+  WantedFields plan_;
   Chunk chunk_;
   std::uint64_t next_ = 0, left_ = 0;
   std::optional<ReturnsXyLayer> xy_;
@@ -157,7 +157,7 @@ class LayeredDecoder : public ChunkDecoder {
 }  // namespace
 
 std::unique_ptr<ChunkDecoder> make_layered_decoder(const ByteSource& source, const LazLayout& layout,
-                                                   const RecordPlan& plan, const Chunk& chunk) {
+                                                   const WantedFields& plan, const Chunk& chunk) {
   return std::make_unique<LayeredDecoder>(source, layout, plan, chunk);
 }
 

@@ -8,8 +8,8 @@
 #include "src/base/option.h"
 #include "src/base/stopped.h"
 #include "src/result/region/region_mesh.h"
+#include "src/tiling/affine_basis.h"
 #include "src/tiling/budget/budget.h"
-#include "src/tiling/span_finder.h"
 
 namespace tessera {
 

@@ -83,7 +83,7 @@ Status DirectWriter::append(std::span<const std::byte> bytes) {
       bytes, [](std::span<const std::byte> piece, std::byte* to) { std::memcpy(to, piece.data(), piece.size()); });
 }
 
-Status DirectWriter::append(std::span<const std::byte> bytes, BlockSum& sum) {
+Status DirectWriter::append(std::span<const std::byte> bytes, BlockChecksum& sum) {
   return append_by(bytes, [&](std::span<const std::byte> piece, std::byte* to) { sum.copy(piece, to); });
 }
 

@@ -38,7 +38,7 @@ bool take_plain(std::span<const std::byte> from, std::span<std::byte> to) {
     return std::ranges::equal(expected, from.subspan(at, expected.size()));
   };
   if (!equal(plain_head(to.size()), 0)) return false;
-  BlockSum sum;
+  BlockChecksum sum;
   sum.copy(from.subspan(plain_head_bytes, to.size()), to.data());
   return equal(sum.bytes(), plain_head_bytes + to.size());
 }

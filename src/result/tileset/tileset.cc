@@ -272,7 +272,7 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
   folder.keep();
   BOOST_OUTCOME_TRYV(sync_folder(beside));
   const auto leaves = std::count_if(files.nodes().begin(), files.nodes().end(),
-                                    [](const tileset::NodeEntry& node) { return node.children.empty(); });
+                                    [](const tileset::TilesetNode& node) { return node.children.empty(); });
   return Tileset{.path = path,
                  .nodes = files.nodes().size(),
                  .leaves = static_cast<std::uint64_t>(leaves),

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 

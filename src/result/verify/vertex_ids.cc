@@ -5,7 +5,7 @@
 #include <string>
 
 #include "src/base/files/names.h"
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 

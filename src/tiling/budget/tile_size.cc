@@ -91,7 +91,7 @@ std::uint64_t tile_working_bytes(int dimension, KernelKind kernel, std::uint64_t
 }
 
 std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::uint32_t threads, std::uint64_t memory_bytes) {
-  return left_for_tiles(memory_bytes - gate_bytes(memory_bytes), threads, 1) / largest_need(dimension, kernel);
+  return left_for_tiles(memory_bytes - outbox_bytes(memory_bytes), threads, 1) / largest_need(dimension, kernel);
 }
 
 std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::span<const NodeShare> nodes) {

@@ -10,10 +10,10 @@ namespace tessera {
 
 SortedCells CollectedTile::sorted() const { return {{rows.data(), rows.size()}, order, index, own, places.data() + 2}; }
 
-Status CollectedTile::vertices(const Take& take) const {
+Status CollectedTile::vertices(const Consumer& take) const {
   return stream_cells(mesh.dimension, sorted(), copy_vertices, take);
 }
-Status CollectedTile::neighbors(const Take& take) const {
+Status CollectedTile::neighbors(const Consumer& take) const {
   return stream_cells(mesh.dimension, sorted(), copy_neighbors, take);
 }
 
@@ -33,7 +33,8 @@ TileMesh CollectedTile::whole(std::span<const std::int32_t> vertices, std::span<
 }
 
 std::uint64_t CollectedTile::bytes() const {
-  return mesh.bytes() + rows.size() * sizeof(CellRow) + (order.capacity() + index.capacity() + places.capacity()) * 4;
+  return mesh.bytes() + rows.size() * sizeof(CellRecord) +
+         (order.capacity() + index.capacity() + places.capacity()) * 4;
 }
 
 }  // namespace tessera

@@ -39,7 +39,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
     if (!is_local(v) && kernel_->alive(v)) at[v] = kernel_->point(v);
   }
   const int corners = options_.dimension + 1;
-  const CellRows rows = kernel_->take_cells();
+  const CellRecords rows = kernel_->take_cells();
   const bool filled = reduced_ && !kernel_->can_freeze();
   kernel_.reset();
   RestOfTile rest;
@@ -47,7 +47,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
   std::vector<Vertex> main;
   for (std::size_t c = 0; c < rows.size(); ++c) {
     const Vertex* v = rows[c].vertices;
-    if (v[0] == CellRow::gap || std::find(v, v + corners, infinite_vertex) != v + corners) continue;
+    if (v[0] == CellRecord::gap || std::find(v, v + corners, infinite_vertex) != v + corners) continue;
     const auto own = std::count_if(v, v + corners, [&](Vertex w) { return is_local(w); });
     if (own == 0) continue;
     if (filled && own == corners && !open_cells_.contains(cell_key(v, options_.dimension))) continue;
@@ -73,7 +73,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
   for (Vertex v = 1; v < ids_.size(); ++v) {
     if (used[v] && !is_local(v)) rest.foreign.push_back({at[v], ids_[v], owners_[v], 0});
   }
-  counts_.kept = rest.foreign.size();
+  counts_.useful = rest.foreign.size();
   return rest;
 }
 

@@ -30,15 +30,15 @@ void TileTriangulation::replay_if(const std::function<bool(TileId)>& reborn) {
   }
   relied_.clear();
   for (RefusedRelied& r : refused_relied_) {
-    if (!r.by_word && !reborn(r.tile)) continue;
+    if (!r.by_told_bit && !reborn(r.tile)) continue;
     refused_updates_[r.tile].push_back(r.point);
-    r.by_word = 0;
+    r.by_told_bit = 0;
     ++counts_.sent;
   }
-  forget_words();
+  forget_told_bits();
 }
 
-void TileTriangulation::forget_words() {
+void TileTriangulation::forget_told_bits() {
   std::fill(told_.begin(), told_.end(), 0);
   for (const std::uint64_t pair : sent_.keys()) {
     const auto v = static_cast<Vertex>(pair >> 32);

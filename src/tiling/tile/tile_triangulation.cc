@@ -299,7 +299,7 @@ CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<
     if (filled) input.fill.resize(input.cells.size());
     for (std::size_t c = 0; c < input.cells.size(); ++c) {
       Vertex* v = input.cells[c].vertices;
-      if (v[0] == CellRow::gap) continue;
+      if (v[0] == CellRecord::gap) continue;
       if (filled) {
         const bool all_local = std::all_of(v, v + corners, [&](Vertex w) { return is_local(w); });
         input.fill[c] = all_local && !open_cells_.contains(cell_key(v, options_.dimension));
@@ -312,7 +312,7 @@ CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<
   }
   throw_if_stopped(options_.stop);
   CollectedTile tile = collect_cells(std::move(input));
-  counts_.kept = tile.mesh.points.size() - own;
+  counts_.useful = tile.mesh.points.size() - own;
   return tile;
 }
 

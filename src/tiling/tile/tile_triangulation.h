@@ -102,7 +102,7 @@ class TileTriangulation {
   void replay_to(std::span<const TileId> reborn);
   // Forgets the told bits: what an earlier process said holds no more. What this tile itself has sent stays, because it
   // sends that again.
-  void forget_words();
+  void forget_told_bits();
   // Returns the foreign vertices. Once all tiles are quiet, the cells of the tile's own points have no other foreign
   // vertices than these.
   std::vector<SharedPoint> foreign_vertices() const;
@@ -183,7 +183,7 @@ class TileTriangulation {
     SharedPoint point;
     TileId tile;  // has heard of the point
     // 1: a told bit said so; 0: the tile has sent the point itself, or this tile has sent it
-    std::uint32_t by_word = 0;
+    std::uint32_t by_told_bit = 0;
   };
   std::vector<RefusedRelied> refused_relied_;
   bool seeded_ = false;  // all seeds are inserted

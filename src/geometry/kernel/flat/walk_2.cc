@@ -8,14 +8,14 @@
 
 namespace tessera::flat2 {
 // Returns false if frozen triangles block every side that faces p.
-bool Mesh::walk(const Point& p, Word slot, Located& found) const {
+bool Mesh::walk(const Point& p, Index slot, Located& found) const {
   const Cell* const all = cells.data();
   if (all[slot].infinite()) {
-    const Word inside = all[slot].n[all[slot].v[1] == infinite_vertex ? 1 : 2];
+    const Index inside = all[slot].n[all[slot].v[1] == infinite_vertex ? 1 : 2];
     if (inside & frozen_bit) return false;
     slot = inside >> 2;
   }
-  Word from = 0;
+  Index from = 0;
   if (const Cell& t = all[slot]; exact::orientation_2(point(t.v[1]), point(t.v[2]), p) < 0) {
     if (t.n[0] & frozen_bit) return false;
     slot = t.n[0] >> 2;
@@ -57,14 +57,14 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
       }
       return true;
     }
-    const Word next_l = t.n[next_of[from]], next_r = t.n[before[from]];
+    const Index next_l = t.n[next_of[from]], next_r = t.n[before[from]];
     if (((across_l ? next_l : 0) | (across_r ? next_r : 0)) & frozen_bit) [[unlikely]] {
       across_l &= !(next_l & frozen_bit);
       across_r &= !(next_r & frozen_bit);
       if (!(across_l | across_r)) return false;
     }
     // Seen from the next triangle, c begins the edge to l, or ends the edge from r.
-    const Word across = across_l ? next_l : next_r;
+    const Index across = across_l ? next_l : next_r;
     l = across_l ? l : c;
     r = across_l ? c : r;
     slot = across >> 2;

@@ -8,14 +8,14 @@
 namespace tessera::flat3 {
 
 // Returns false if frozen cells block every side that faces p.
-bool Mesh::walk(const Point& p, Word slot, Located& found) const {
+bool Mesh::walk(const Point& p, Index slot, Located& found) const {
   ++turn_;
   if (cells[slot].infinite()) {
-    const Word inside = cells[slot].n[3];
+    const Index inside = cells[slot].n[3];
     if (inside & frozen_bit) return false;
     slot = inside >> 2;
   }
-  Step step = walk_surely(p, {slot, 8, false});
+  WalkStep step = walk_surely(p, {slot, 8, false});
   if (step.arrived) {
     found = {step.slot, 0};
     return true;
@@ -24,15 +24,15 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
     const Cell& c = cells[step.slot];
     // Vertices are compared first. Where p is a vertex three of the orientations are zero, and zeros take long to
     // prove.
-    for (const Word v : c.v) {
+    for (const Index v : c.v) {
       if (points[v] != p) continue;
       found = {step.slot, v};
       return true;
     }
-    Word across = frozen_bit;
+    Index across = frozen_bit;
     bool blocked = false;
-    for (Word j = 0; j < 4; ++j) {
-      const Word i = (turn_ + j) & 3;
+    for (Index j = 0; j < 4; ++j) {
+      const Index i = (turn_ + j) & 3;
       if (i == step.from) continue;
       const auto& f = Cell::facet_of[i];
       if (orientation_3(p, points[c.v[f[0]]], points[c.v[f[1]]], points[c.v[f[2]]]) >= 0) continue;
