@@ -101,7 +101,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       },
       [this](ShareReleased& released) {
         attempt([&] {
-          if (!course_.is(At::finding) && placements_.answer(released.node, released.tiles)) place_homeless();
+          if (!course_.is(At::finding) && placements_.take_answer(released.node, released.tiles)) place_homeless();
         });
       },
       [this](const NodeLost& lost) {

@@ -35,7 +35,7 @@ typename Inspector::result_type inspect(Inspector& f, SharedBytes& x) {
 }
 
 TESSERA_MESSAGE(Failure, x.code, x.text)
-TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
+TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.useful)
 TESSERA_MESSAGE(MailArc, x.from, x.to, x.bytes)
 TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
 TESSERA_MESSAGE(OutboxCounts, x.packets, x.bytes, x.waits)

@@ -108,7 +108,7 @@ ShareActor::behavior_type ShareActor::make_behavior() {
       },
       [this](const Settle&) {
         if (!obeyed()) return;
-        if (!failure_ && schedule_.phase() <= Schedule::Phase::settling) schedule_.enter(Schedule::Phase::settling);
+        if (!failure_ && schedule_.mode() <= Schedule::Mode::settling) schedule_.enter(Schedule::Mode::settling);
         dispatch();
       },
       [this](const Collect&) {
@@ -131,7 +131,7 @@ ShareActor::behavior_type ShareActor::make_behavior() {
       [this](const Taken& taken) { give_credit(taken.from, taken.bytes); },
       [this](const Credit& credit) { take(credit); },
       [this](const MailNotice& notice) {
-        schedule_.mail(notice.tile, {notice.updates, notice.bytes, notice.memory, notice.hops});
+        schedule_.note_mail(notice.tile, {notice.updates, notice.bytes, notice.memory, notice.hops});
         dispatch();
       },
       [this](TileReport& report) {
@@ -154,7 +154,7 @@ ShareActor::behavior_type ShareActor::make_behavior() {
       },
       [this](const TileLeft& left) {
         take(left);
-        if (schedule_.phase() == Schedule::Phase::handing) dispatch();
+        if (schedule_.mode() == Schedule::Mode::handing) dispatch();
       },
       [this](const GraceOver& over) {
         if (coordinator_ || over.term != term_) return;
@@ -176,7 +176,7 @@ void ShareActor::take(TileReport& report) {
   account_.note(found->second.counts, report);
   if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked, because its mail could not be kept
-  schedule_.done(span.tile, span.work, report.memory,
+  schedule_.note_done(span.tile, span.work, report.memory,
                  {report.waiting.updates, report.waiting.bytes, report.waiting.memory, report.waiting.hops},
                  report.storing);
   if (span.work == Work::hand_over) account_.tile_is_handed_over(report.kept);
@@ -186,7 +186,7 @@ void ShareActor::take(TileReport& report) {
 void ShareActor::take(TileStored& stored) {
   if (stored.failure) return abandon(stored.tile, std::move(stored.failure));
   if (!schedule_.storing(stored.tile)) return;  // given up meanwhile
-  schedule_.stored(stored.tile);
+  schedule_.note_stored(stored.tile);
   account_.tile_is_stored();
   tell_stored({table_->stage, {stored.tile, std::move(stored.receipt)}, hosted_.at(stored.tile).counts.microseconds});
 }
@@ -292,12 +292,12 @@ void ShareActor::stop(Failure failure) {
   if (failure_) return;
   // Settled tiles need no image: what makes them independent is on scratch.
   const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && directory_->options.resumable &&
-                      schedule_.phase() < Schedule::Phase::collecting && coordinator_;
+                      schedule_.mode() < Schedule::Mode::collecting && coordinator_;
   failure_ = std::move(failure);
   stop_work();
   early_.take();
   outboxes_.clear();
-  schedule_.enter(images ? Schedule::Phase::suspending : Schedule::Phase::stopping);
+  schedule_.enter(images ? Schedule::Mode::suspending : Schedule::Mode::stopping);
 }
 
 // Work under way is of no use any more. Images that are being written are, and their writing does not look at the
@@ -315,18 +315,18 @@ void ShareActor::dispatch() {
   tell_progress(false);
   // A share that has failed does not wait for tiles to take the table: the tile may be the one that has ended.
   if (!schedule_.idle() || (!table_.is_taken() && !failure_)) {
-    const bool begun = opened() && schedule_.phase() == Schedule::Phase::exchanging && schedule_.all_begun();
-    if (begun && said_.first(ShareEvent::begun)) tell(ShareBegun{self_});
+    const bool begun = opened() && schedule_.mode() == Schedule::Mode::exchanging && schedule_.all_begun();
+    if (begun && said_.mark_told(ShareEvent::begun)) tell(ShareBegun{self_});
     return;
   }
-  switch (schedule_.phase()) {
-    case Schedule::Phase::exchanging:
+  switch (schedule_.mode()) {
+    case Schedule::Mode::exchanging:
       if (!opened()) return;
-      if (said_.first(ShareEvent::begun)) tell(ShareBegun{self_});
-      if (said_.first(ShareEvent::idle)) tell(ShareIdle{self_});
+      if (said_.mark_told(ShareEvent::begun)) tell(ShareBegun{self_});
+      if (said_.mark_told(ShareEvent::idle)) tell(ShareIdle{self_});
       return;
-    case Schedule::Phase::settling:
-      if (!said_.first(ShareEvent::settled)) return;
+    case Schedule::Mode::settling:
+      if (!said_.mark_told(ShareEvent::settled)) return;
       if (stage().sync_settled) {
         if (Status synced = stage().sync_settled(); !synced) {
           stop(failure_of(std::move(synced).error()));
@@ -334,21 +334,21 @@ void ShareActor::dispatch() {
         }
       }
       return tell(ShareSettled{self_, table_->epoch});
-    case Schedule::Phase::collecting:
-      if (said_.first(ShareEvent::collected)) tell(ShareCollected{self_, table_->epoch});
+    case Schedule::Mode::collecting:
+      if (said_.mark_told(ShareEvent::collected)) tell(ShareCollected{self_, table_->epoch});
       return;
-    case Schedule::Phase::handing:
+    case Schedule::Mode::handing:
       if (releases_.all_have_left()) end();
       return;
-    case Schedule::Phase::suspending:
-    case Schedule::Phase::stopping:
+    case Schedule::Mode::suspending:
+    case Schedule::Mode::stopping:
       return end();
   }
 }
 
 void ShareActor::enter_collecting() {
-  if (failure_ || schedule_.phase() >= Schedule::Phase::collecting) return;
-  schedule_.enter(Schedule::Phase::collecting);
+  if (failure_ || schedule_.mode() >= Schedule::Mode::collecting) return;
+  schedule_.enter(Schedule::Mode::collecting);
   for (const TileReceipt& tile : stored_before()) tell_stored({table_->stage, tile, 0});
 }
 

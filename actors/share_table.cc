@@ -71,18 +71,18 @@ void ShareActor::change_table(ChangeTable& change) {
   if (!is_of_job(change.table, change.shares)) return stop(not_of_job());
   if (change.table.stage != table_->stage) {
     // The next stage begins when all tiles of all shares have come to the end of the stage before.
-    const bool next = change.table.stage > table_->stage && schedule_.phase() == Schedule::Phase::collecting &&
+    const bool next = change.table.stage > table_->stage && schedule_.mode() == Schedule::Mode::collecting &&
                       schedule_.idle() && !change.settled;
     if (!next) return stop(not_of_job());
     begin_stage(change.table);
   }
   if (change.settled) {
     enter_collecting();
-  } else if (schedule_.phase() == Schedule::Phase::settling) {
-    schedule_.enter(Schedule::Phase::exchanging);
+  } else if (schedule_.mode() == Schedule::Mode::settling) {
+    schedule_.enter(Schedule::Mode::exchanging);
   }
   for (const ShareEvent event : {ShareEvent::idle, ShareEvent::settled, ShareEvent::collected}) said_.forget(event);
-  const bool rejoins = schedule_.phase() == Schedule::Phase::exchanging;
+  const bool rejoins = schedule_.mode() == Schedule::Mode::exchanging;
   if (rejoins) table_.add_changes(change.table);
   std::vector<TileHandle> before;
   for (const auto& [tile, hosted] : hosted_) before.push_back(hosted.handle);
@@ -102,15 +102,15 @@ void ShareActor::take(const TileRejoined& rejoined) {
   Hosted& tile = found->second;
   account_.note(tile.counts, Totals{rejoined.sent, rejoined.processed});
   const MailNotice& mail = rejoined.waiting;
-  schedule_.mail(rejoined.tile, {mail.updates, mail.bytes, mail.memory, mail.hops});
+  schedule_.note_mail(rejoined.tile, {mail.updates, mail.bytes, mail.memory, mail.hops});
   table_.take(tile.epoch, rejoined.epoch);
 }
 
 // The mail of released tiles goes with them. Their next incarnations are told all of it again.
 void ShareActor::release(const Release& wanted) {
   std::vector<TileId> released;
-  const bool can = !failure_ && opened() && table_.is_taken() && schedule_.phase() != Schedule::Phase::settling &&
-                   schedule_.phase() != Schedule::Phase::handing;
+  const bool can = !failure_ && opened() && table_.is_taken() && schedule_.mode() != Schedule::Mode::settling &&
+                   schedule_.mode() != Schedule::Mode::handing;
   if (can) released = schedule_.release(wanted.weight);
   for (const TileId tile : released) {
     const auto hosted = hosted_.find(tile);
@@ -132,9 +132,9 @@ void ShareActor::take(const TileLeft&) {
 // and is told again where it goes on. The share may be settling. When another node was lost meanwhile, the job
 // exchanges again, but there is no new table before some node takes the tiles of the lost one.
 void ShareActor::hand_over() {
-  if (failure_ || !opened() || schedule_.phase() > Schedule::Phase::settling) return;
+  if (failure_ || !opened() || schedule_.mode() > Schedule::Mode::settling) return;
   directory_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
-  schedule_.enter(Schedule::Phase::handing);
+  schedule_.enter(Schedule::Mode::handing);
 }
 
 // Answers what was asked once no tile is about to leave (src/exchange/tile_releases.h).
@@ -142,7 +142,7 @@ void ShareActor::answer_if_left() {
   if (!releases_.all_have_left()) return;
   while (std::optional<std::vector<TileId>> tiles = releases_.answer()) tell(ShareReleased{self_, std::move(*tiles)});
   // A coordinator that takes over then finds no share here. The images say that the tiles were handed over.
-  if (!finder_ || schedule_.phase() == Schedule::Phase::handing) return;
+  if (!finder_ || schedule_.mode() == Schedule::Mode::handing) return;
   ShareFound answer;
   answer.term = term_;
   answer.node = finder_->node;

@@ -267,8 +267,8 @@ void Member::leave_unheard() {
     expel({"had no tiles that other nodes would continue", false});
 }
 
-NodePlace Member::membership_status() const {
-  NodePlace status;
+MembershipStatus Member::membership_status() const {
+  MembershipStatus status;
   status.member = state_ == State::member && !expelled_;
   status.leaves = leaves_;
   status.others = static_cast<std::uint64_t>(

@@ -69,7 +69,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void leave();
   void leave_unheard();
   void expel(const Expelled& expelled);
-  NodePlace membership_status() const;
+  MembershipStatus membership_status() const;
 
   MemberOptions options_;
   State state_ = State::seeking;

@@ -92,7 +92,7 @@ struct AskStatus {};
 using MemberHandle =
     caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
                      caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
-                     caf::reacts_to<AskToLeave>, caf::reacts_to<Leave>, caf::replies_to<AskStatus>::with<NodePlace>,
+                     caf::reacts_to<AskToLeave>, caf::reacts_to<Leave>, caf::replies_to<AskStatus>::with<MembershipStatus>,
                      caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
 using RegistryHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>,
                                         caf::reacts_to<Renew>, caf::reacts_to<Unreachable>, caf::reacts_to<Leaving>,
@@ -123,7 +123,7 @@ TESSERA_STAYS_HERE(tessera::Drain)
 TESSERA_STAYS_HERE(tessera::Drained)
 TESSERA_STAYS_HERE(tessera::Follow)
 TESSERA_STAYS_HERE(tessera::MemberList)
-TESSERA_STAYS_HERE(tessera::NodePlace)
+TESSERA_STAYS_HERE(tessera::MembershipStatus)
 
 CAF_BEGIN_TYPE_ID_BLOCK(tessera_cluster, caf::first_custom_type_id + 200)
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskToLeave))

@@ -43,7 +43,7 @@ Registry::behavior_type Registry::make_behavior() {
       },
       [this](const Hello& hello) { welcome(hello); },
       [this](const ReachedAll& reached) {
-        if (!members_.reached_all(reached.uuid) || leaving_.contains(reached.uuid)) return;
+        if (!members_.mark_reached_all(reached.uuid) || leaving_.contains(reached.uuid)) return;
         const Actors& actors = actors_.at(reached.uuid);
         options_.log(known_as(members_.find(reached.uuid)->info) + " has joined");
         for (const FollowerHandle& job : jobs_) send(job, NodeJoined{actors.node});
@@ -52,7 +52,7 @@ Registry::behavior_type Registry::make_behavior() {
         const bool member = members_.renew(renew.uuid, renew.use, Clock::now());
         if (member) send(actors_.at(renew.uuid).member, Renewed{});
       },
-      [this](const Unreachable& pair) { members_.unreachable(pair.from, pair.to, Clock::now()); },
+      [this](const Unreachable& pair) { members_.note_unreachable(pair.from, pair.to, Clock::now()); },
       [this](const Leaving& leaving) { hear(leaving); },
       [this](const Follow& job) { follow(job.follower); },
       [this](const Drain& wanted) { return drain(wanted.node); },

@@ -80,13 +80,13 @@ MemberList Seat::list() const {
   return list;
 }
 
-NodePlace Seat::membership_status() const {
+MembershipStatus Seat::membership_status() const {
   caf::scoped_actor self{*system_, true};
-  NodePlace status;
+  MembershipStatus status;
   status.trouble = "leaves the cluster";
   self->request(member_, caf::infinite, AskStatus{})
       // On an error the member is ending.
-      .receive([&](NodePlace& answer) { status = std::move(answer); }, [](const caf::error&) {});
+      .receive([&](MembershipStatus& answer) { status = std::move(answer); }, [](const caf::error&) {});
   return status;
 }
 

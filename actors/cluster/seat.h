@@ -22,7 +22,7 @@ class Seat final : public Membership {
   void prepare(caf::actor_system_config& config) override;
   Status take(caf::actor_system& system, const Own& own) override;
   void leave() noexcept override;
-  NodePlace membership_status() const override;
+  MembershipStatus membership_status() const override;
   void depart() const override;
   std::vector<NodeState> members() const override;
   std::uint64_t lost() const override { return list().lost; }

@@ -11,13 +11,13 @@ namespace {
 Phase phase_of(RunStep step) {
   switch (step) {
     case RunStep::beginning:
-      return phase_of(ProgramKind::delaunay, ProgramStep::begin);
+      return phase_of(ProgramKind::delaunay, StageStep::begin);
     case RunStep::exchanging:
-      return phase_of(ProgramKind::delaunay, ProgramStep::exchange);
+      return phase_of(ProgramKind::delaunay, StageStep::exchange);
     case RunStep::ending:
       break;
   }
-  return phase_of(ProgramKind::delaunay, ProgramStep::store);
+  return phase_of(ProgramKind::delaunay, StageStep::store);
 }
 
 Phase phase_of(Work work) {
@@ -60,7 +60,7 @@ void RunCaller::stored(const TileDone& done) {
                              ": a node sent an entry for it that cannot be read");
   }
   done_.push_back({*entry, done.microseconds});
-  progress_.map.reached(entry->tile, TileStage::stored);
+  progress_.map.note_reached(entry->tile, TileStatus::stored);
 }
 
 void RunCaller::ended(RunEnded end) noexcept {

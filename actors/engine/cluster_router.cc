@@ -66,7 +66,7 @@ class LocalSplitQueue final : public RoutingOwner {
 
 // Returns the size of a split. Each node gets several splits, so that nodes that are done early take more. A split
 // keeps a node busy for a while.
-std::uint64_t ClusterRouter::stretch_points(std::uint64_t total) const {
+std::uint64_t ClusterRouter::split_points(std::uint64_t total) const {
   const std::uint64_t unknown = 2'000'000;
   const std::uint64_t nodes = std::max<std::size_t>(1, seat_.members().size());
   return total == 0 ? unknown : std::clamp<std::uint64_t>(total / (4 * nodes), 100'000, 8'000'000);

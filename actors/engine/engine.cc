@@ -190,7 +190,7 @@ Result<RunSummary> Engine::Impl::run(const RoutedCloud& run, const std::filesyst
                                      bool& again) {
   progress.tiles_total = static_cast<std::uint32_t>(
       std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
-  progress.phase = phase_of(ProgramKind::delaunay, ProgramStep::begin);
+  progress.phase = phase_of(ProgramKind::delaunay, StageStep::begin);
 
   CoordinatorOptions job;
   job.spec = spec_of(options, run.folder.string(), out.string());
@@ -331,7 +331,7 @@ NodeWork Engine::work() const { return impl_->meter->now(); }
 
 std::uint64_t Engine::memory_used() const { return impl_->used->load(); }
 
-NodePlace Engine::membership_status() const { return impl_->seat->membership_status(); }
+MembershipStatus Engine::membership_status() const { return impl_->seat->membership_status(); }
 
 void Engine::depart() const { impl_->seat->depart(); }
 

@@ -69,7 +69,7 @@ class Engine {
   // Memory that is reserved for this node's shares: as much as they may use.
   std::uint64_t memory_used() const;
   // REQUIRES: this process is a node of a cluster.
-  NodePlace membership_status() const;
+  MembershipStatus membership_status() const;
   // Leaves the cluster in order, whatever process coordinates it by then: the node takes no more work, and other nodes
   // go on with its tiles. ClusterOptions::expelled is called when they can do so, or when there is no coordinator and
   // nothing that others could go on with.

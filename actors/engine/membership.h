@@ -33,7 +33,7 @@ class Membership {
   virtual void leave() noexcept = 0;
 
   // REQUIRES: this process is a node.
-  virtual NodePlace membership_status() const = 0;
+  virtual MembershipStatus membership_status() const = 0;
   // As Engine::depart().
   virtual void depart() const = 0;
 

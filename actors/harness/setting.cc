@@ -6,8 +6,8 @@
 
 #include "src/delaunay/run/touching.h"
 #include "src/geometry/reference/clouds.h"
+#include "src/tiling/affine_basis.h"
 #include "src/tiling/seed_finder.h"
-#include "src/tiling/span_finder.h"
 
 namespace tessera {
 namespace {
@@ -30,7 +30,7 @@ CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition) {
   CutCloud out;
   out.tiles.resize(partition.tiles());
   out.bounds.resize(partition.tiles());
-  SpanFinder span(partition.dimension());
+  AffineBasis span(partition.dimension());
   SeedFinder seeds(partition.dimension());
   for (const LocalPoint& p : cloud) {
     const TileId tile = partition.tile_of(p.at);
@@ -108,7 +108,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
   s.late_stores = rng() % 2 == 0;
   // Small windows make nodes wait for each other's credit after every few points.
-  if (rng() % 2 == 0) s.outboxes = {.window_bytes = 800, .parcel_bytes = 300};
+  if (rng() % 2 == 0) s.outboxes = {.window_bytes = 800, .packet_bytes = 300};
   s.stage.kind = rng() % 3 == 0 ? TileKind::points : TileKind::cells;
   return s;
 }
@@ -154,7 +154,7 @@ Result<std::unique_ptr<Share>> MemoryShares::open(const ShareSpec& spec, NodeId 
       share->settled = share->settled && alone;
     }
   }
-  share->mail = std::make_unique<MailCounts>(parts_of({}, setting_.tiles.size(), MailCounts::parts_max));
+  share->mail = std::make_unique<MailCounts>(map_regions_of({}, setting_.tiles.size(), MailCounts::regions_max));
   return share;
 }
 

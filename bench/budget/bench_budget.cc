@@ -194,7 +194,7 @@ class Bench {
   PendingFinals finals() const {
     const auto bytes = take(folder_ / "finals.bin");
     PendingFinals finals;
-    finals.cells.rows.resize(bytes.size() / sizeof(CellRow));
+    finals.cells.rows.resize(bytes.size() / sizeof(CellRecord));
     std::memcpy(finals.cells.rows.data(), bytes.data(), bytes.size());
     return finals;
   }

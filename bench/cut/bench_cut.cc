@@ -32,7 +32,7 @@ T value(Result<T> result) {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-surface::Region region_of(const std::string& folder, const surface::Energy& energy) {
+surface::CutRegion region_of(const std::string& folder, const surface::Energy& energy) {
   const auto source = value(TileSource::open(folder));
   if (source.tiles() != 1) {
     std::cerr << "bench_cut: " << folder << ": has several tiles; triangulate with more memory\n";
@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
   app.add_option("--lambda", energy.lambda, "as of a surface");
   CLI11_PARSE(app, argc, argv);
 
-  const surface::Region region = region_of(folder, energy);
+  const surface::CutRegion region = region_of(folder, energy);
   std::printf("%u cells of %s, no seed\n", region.graph.cells(), folder.c_str());
   double least_ours = 1e99, least_bk = 1e99, bytes_bk = 0, bytes_ours = 0;
   bool same = true;

@@ -23,8 +23,8 @@
 #include "src/exchange/tile_life.h"
 #include "src/input/generate/generate.h"
 #include "src/result/store/digest.h"
+#include "src/tiling/affine_basis.h"
 #include "src/tiling/seed_finder.h"
-#include "src/tiling/span_finder.h"
 
 namespace tessera {
 namespace {
@@ -72,7 +72,7 @@ class Exchange {
   Exchange(const Options& o, const std::vector<LocalPoint>& cloud, const std::shared_ptr<const Partition>& cells)
       : o_(o), points_(cells->tiles()), bounds_(cells->tiles()) {
     const Partition& partition = *cells;
-    SpanFinder span(o.dimension);
+    AffineBasis span(o.dimension);
     SeedFinder finder(o.dimension);
     for (const LocalPoint& p : cloud) {
       const TileId t = partition.tile_of(p.at);
@@ -152,7 +152,7 @@ class Exchange {
       received.push_back(tiles_[t]->counts().received);
     }
     std::sort(received.begin(), received.end());
-    const auto tiles = static_cast<double>(received.size()), kept = static_cast<double>(sum.kept);
+    const auto tiles = static_cast<double>(received.size()), kept = static_cast<double>(sum.useful);
     std::printf("%s, %zu points a tile, seed %llu, %dD, %.0f tiles, %s: digest %s\n", o_.kind.c_str(),
                 static_cast<std::size_t>(static_cast<double>(o_.points) / tiles),
                 static_cast<unsigned long long>(o_.seed), o_.dimension, tiles, o_.partition.c_str(),
@@ -165,7 +165,7 @@ class Exchange {
     std::printf(
         "  %llu kept; to each: %.2f sent, %.2f inserted, %.2f refused; a tile received %llu at most, "
         "%llu in the median\n",
-        static_cast<unsigned long long>(sum.kept), static_cast<double>(sum.sent) / kept,
+        static_cast<unsigned long long>(sum.useful), static_cast<double>(sum.sent) / kept,
         static_cast<double>(sum.inserted - seeds) / kept, static_cast<double>(sum.refused) / kept,
         static_cast<unsigned long long>(received.back()),
         static_cast<unsigned long long>(received[received.size() / 2]));

@@ -65,7 +65,7 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   const double work_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   const JobSummary& s = *done;
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));  // has the times that were summed over threads
-  const std::string exchange = name_of(phase_of(ProgramKind::delaunay, ProgramStep::exchange));
+  const std::string exchange = name_of(phase_of(ProgramKind::delaunay, StageStep::exchange));
   std::printf("engine     %8.2f s  %9.0f points/s  %u threads, %llu tiles\n", s.total_s,
               static_cast<double>(s.points_read) / s.total_s, o.threads, static_cast<unsigned long long>(s.tiles));
   for (const auto& [name, seconds] : s.seconds) std::printf("  %s %.2f", name.c_str(), seconds);
@@ -82,7 +82,7 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
       static_cast<unsigned long long>(s.exchange.points.sent),
       static_cast<unsigned long long>(s.exchange.points.received),
       static_cast<unsigned long long>(s.exchange.points.inserted),
-      static_cast<unsigned long long>(s.exchange.points.kept), static_cast<unsigned long long>(s.exchange.updates),
+      static_cast<unsigned long long>(s.exchange.points.useful), static_cast<unsigned long long>(s.exchange.updates),
       static_cast<unsigned long long>(s.exchange.hops), static_cast<unsigned long long>(s.exchange.waves),
       static_cast<unsigned long long>(s.exchange.most_received));
   std::printf("  %llu vertices, %llu cells, peak memory %.0f MiB\n", static_cast<unsigned long long>(s.vertices),

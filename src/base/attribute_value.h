@@ -49,17 +49,17 @@ inline double as_double(AttributeType type, const std::byte* from) {
 }
 
 // Where the value of an attribute stands in a row.
-struct RowColumn {
+struct AttributeColumn {
   std::size_t offset = 0;
   AttributeType type = AttributeType::f64;
   double value(const std::byte* row) const { return as_double(type, row + offset); }
 };
 
 // Finds the attribute `name` in rows of this schema. Returns nothing when the schema lacks the attribute.
-inline std::optional<RowColumn> column_of(const std::vector<Attribute>& schema, std::string_view name) {
+inline std::optional<AttributeColumn> column_of(const std::vector<Attribute>& schema, std::string_view name) {
   std::size_t offset = 0;
   for (const Attribute& attribute : schema) {
-    if (attribute.name == name) return RowColumn{offset, attribute.type};
+    if (attribute.name == name) return AttributeColumn{offset, attribute.type};
     offset += size_of(attribute.type);
   }
   return std::nullopt;

@@ -15,14 +15,14 @@ struct ExchangeCounts {
   std::uint64_t inserted = 0;
   std::uint64_t refused = 0;  // items that were of no use when they came: points in conflict with no local star
   std::uint64_t sent = 0;     // items that were put into updates
-  std::uint64_t kept = 0;     // items that were of use in the end: foreign vertices of cells with a local vertex
+  std::uint64_t useful = 0;   // items that were of use in the end: foreign vertices of cells with a local vertex
 
   ExchangeCounts& operator+=(const ExchangeCounts& other) {
     received += other.received;
     inserted += other.inserted;
     refused += other.refused;
     sent += other.sent;
-    kept += other.kept;
+    useful += other.useful;
     return *this;
   }
   ExchangeCounts& operator-=(const ExchangeCounts& other) {
@@ -30,7 +30,7 @@ struct ExchangeCounts {
     inserted -= other.inserted;
     refused -= other.refused;
     sent -= other.sent;
-    kept -= other.kept;
+    useful -= other.useful;
     return *this;
   }
 };
@@ -39,15 +39,15 @@ struct ExchangeCounts {
 struct StepSeconds {
   double begin = 0, exchange = 0, store = 0;
 
-  double of(ProgramStep step) const {
+  double of(StageStep step) const {
     switch (step) {
-      case ProgramStep::begin:
+      case StageStep::begin:
         return begin;
-      case ProgramStep::exchange:
+      case StageStep::exchange:
         return exchange;
-      case ProgramStep::store:
+      case StageStep::store:
         return store;
-      case ProgramStep::none:
+      case StageStep::none:
         break;
     }
     return 0;

@@ -14,7 +14,7 @@ constexpr std::uint64_t look_every_bytes = std::uint64_t{16} << 20;
 thread_local Ledger* current = nullptr;
 
 Error beyond(const char* what, const Ledger::Bound& bound) {
-  return error(Errc::memory, std::string("it needs more ") + what + " than " + bound.name + " allows");
+  return error(Errc::memory, std::string("the job needs more ") + what + " than " + bound.name + " allows");
 }
 
 }  // namespace
@@ -97,8 +97,7 @@ Status Ledger::look_at_disk(std::uint64_t bytes) {
   looked_at_ = std::max<std::uint64_t>(now, 1);
   const std::uint64_t free = bounds_.free_bytes();
   if (free >= bytes && free - bytes >= bounds_.reserve_bytes) return success();
-  return refuse(error(Errc::io, "the disk has " + std::to_string(free >> 20) +
-                                    " MiB left, of which limits.reserve keeps " +
+  return refuse(error(Errc::io, "the disk has " + std::to_string(free >> 20) + " MiB left, but limits.reserve keeps " +
                                     std::to_string(bounds_.reserve_bytes >> 20) +
                                     " MiB free: " + std::generic_category().message(ENOSPC)));
 }

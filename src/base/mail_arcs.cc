@@ -25,25 +25,25 @@ std::vector<std::uint32_t> count_tiles(const std::vector<TileCut>& cuts) {
   return tiles;
 }
 
-// Cuts the largest part in two as long as more parts are allowed.
+// Cuts the largest region in two as long as more regions are allowed.
 std::vector<std::int32_t> cut_up(const std::vector<TileCut>& cuts, std::size_t max) {
   const std::vector<std::uint32_t> tiles = count_tiles(cuts);
   std::priority_queue<std::pair<std::uint32_t, std::int32_t>> rows;
   rows.emplace(tiles[0], 0);
-  std::vector<std::int32_t> parts;
-  while (!rows.empty() && rows.size() + parts.size() < max) {
+  std::vector<std::int32_t> regions;
+  while (!rows.empty() && rows.size() + regions.size() < max) {
     const TileCut& cut = cuts[static_cast<std::size_t>(rows.top().second)];
     rows.pop();
     for (const std::int32_t child : {cut.below, cut.above}) {
       if (child < 0) {
-        parts.push_back(child);
+        regions.push_back(child);
       } else {
         rows.emplace(tiles[static_cast<std::size_t>(child)], child);
       }
     }
   }
-  for (; !rows.empty(); rows.pop()) parts.push_back(rows.top().second);
-  return parts;
+  for (; !rows.empty(); rows.pop()) regions.push_back(rows.top().second);
+  return regions;
 }
 
 }  // namespace
@@ -58,19 +58,19 @@ std::vector<MailArc> heaviest(std::vector<MailArc> arcs, std::size_t max) {
   return arcs;
 }
 
-MapParts parts_of(const TileLayout& layout, std::size_t tiles, std::size_t max) {
-  MapParts parts;
-  parts.of_tile.assign(tiles, MapParts::nowhere);
-  if (layout.cuts.empty()) {  // the tiles have no place in space, so a part is a range of tile numbers
+MapRegions map_regions_of(const TileLayout& layout, std::size_t tiles, std::size_t max) {
+  MapRegions regions;
+  regions.of_tile.assign(tiles, MapRegions::nowhere);
+  if (layout.cuts.empty()) {  // the tiles have no place in space, so a region is a range of tile numbers
     const std::size_t count = std::min(max, tiles);
-    for (std::size_t t = 0; t < tiles; ++t) parts.of_tile[t] = static_cast<std::uint16_t>(t * count / tiles);
-    for (std::size_t part = 0; part < count; ++part)
-      parts.codes.push_back(-1 - static_cast<std::int32_t>((2 * part + 1) * tiles / (2 * count)));
-    return parts;
+    for (std::size_t t = 0; t < tiles; ++t) regions.of_tile[t] = static_cast<std::uint16_t>(t * count / tiles);
+    for (std::size_t region = 0; region < count; ++region)
+      regions.codes.push_back(-1 - static_cast<std::int32_t>((2 * region + 1) * tiles / (2 * count)));
+    return regions;
   }
-  parts.codes = cut_up(layout.cuts, max);
-  for (std::size_t part = 0; part < parts.codes.size(); ++part) {
-    std::vector<std::int32_t> below{parts.codes[part]};
+  regions.codes = cut_up(layout.cuts, max);
+  for (std::size_t region = 0; region < regions.codes.size(); ++region) {
+    std::vector<std::int32_t> below{regions.codes[region]};
     while (!below.empty()) {
       const std::int32_t child = below.back();
       below.pop_back();
@@ -78,11 +78,11 @@ MapParts parts_of(const TileLayout& layout, std::size_t tiles, std::size_t max) 
         below.push_back(layout.cuts[static_cast<std::size_t>(child)].below);
         below.push_back(layout.cuts[static_cast<std::size_t>(child)].above);
       } else if (const auto tile = static_cast<std::size_t>(-1 - child); tile < tiles) {
-        parts.of_tile[tile] = static_cast<std::uint16_t>(part);
+        regions.of_tile[tile] = static_cast<std::uint16_t>(region);
       }
     }
   }
-  return parts;
+  return regions;
 }
 
 void RecentMail::add(const std::vector<MailArc>& arcs, Time now) {

@@ -1,5 +1,5 @@
-// The mail between tiles, as people who watch a job see it: arcs between parts of the tile map. There are few parts,
-// however many tiles there are.
+// The mail between tiles, as people who watch a job see it: arcs between regions of the tile map. There are few
+// regions, however many tiles there are.
 #pragma once
 
 #include <chrono>
@@ -18,27 +18,27 @@ namespace tessera {
 // take less than 4 KiB in any encoding.
 inline constexpr std::size_t mail_arcs_max = 128;
 
-// Bytes that went from one part of the map to another. A part >= 0 is a row of TileLayout::cuts with everything below
-// it. A negative part is the tile -1-part, as in the children of a TileCut.
+// Bytes that went from one region of the map to another. A region >= 0 is a row of TileLayout::cuts with everything
+// below it. A negative region is the tile -1-region, as in the children of a TileCut.
 struct MailArc {
   std::int32_t from = 0, to = 0;
   std::uint64_t bytes = 0;
   friend bool operator==(const MailArc&, const MailArc&) = default;
 };
 
-// Returns the `max` arcs with most bytes, in decreasing order. Arcs with equal bytes are ordered by their parts.
+// Returns the `max` arcs with most bytes, in decreasing order. Arcs with equal bytes are ordered by their regions.
 std::vector<MailArc> heaviest(std::vector<MailArc> arcs, std::size_t max);
 
-// The tiles of a map, grouped into parts.
-struct MapParts {
+// The tiles of a map, grouped into regions.
+struct MapRegions {
   static constexpr std::uint16_t nowhere = 0xffff;
   // by tile: an index into `codes`, or `nowhere` for a tile that the layout lacks
   std::vector<std::uint16_t> of_tile;
-  // the parts, coded as in MailArc; without cuts a part is coded as a tile in its middle
+  // the regions, coded as in MailArc; without cuts a region is coded as a tile in its middle
   std::vector<std::int32_t> codes;
 };
-// Groups the tiles into at most `max` parts of similar numbers of tiles.
-MapParts parts_of(const TileLayout& layout, std::size_t tiles, std::size_t max);
+// Groups the tiles into at most `max` regions of similar numbers of tiles.
+MapRegions map_regions_of(const TileLayout& layout, std::size_t tiles, std::size_t max);
 
 // The mail of the last one to two seconds. Thread-safe.
 class RecentMail {

@@ -17,7 +17,7 @@ enum class Phase : std::uint8_t { planning, routing, triangulating, splaying, co
 // What tiles compute (src/exchange/tile_program.h). A program has three steps: each tile begins, tiles exchange
 // messages until no message is left, and each tile stores what it has.
 enum class ProgramKind : std::uint8_t { none, delaunay };
-enum class ProgramStep : std::uint8_t { none, begin, exchange, store };
+enum class StageStep : std::uint8_t { none, begin, exchange, store };
 
 // A member of Progress. Counters of tiles exist for each node, too.
 enum class ProgressCounter : std::uint8_t {
@@ -32,10 +32,10 @@ enum class ProgressCounter : std::uint8_t {
 struct PhaseRow {
   Phase phase;
   const char* name;   // in messages, manifests, metrics and JSON; must never change
-  const char* words;  // what the phase does, for people who have not read how
+  const char* label;  // what the phase does, for people who have not read how
 
   ProgramKind program = ProgramKind::none;
-  ProgramStep step = ProgramStep::none;
+  StageStep step = StageStep::none;
   bool exchanges = false;  // tiles send messages to each other
   bool settled = false;    // no tile has anything more to tell another tile
   bool over = false;       // nothing is left to do
@@ -47,7 +47,7 @@ struct PhaseRow {
   ProgressCounter points = ProgressCounter::none;  // its growth is shown as points a second
   // counts the tiles that have come as far as the phase goes
   ProgressCounter tiles = ProgressCounter::tiles_triangulated;
-  std::optional<TileStage> reached = {};  // the state of a tile that was worked on
+  std::optional<TileStatus> reached = {};  // the state of a tile that was worked on
 
   // The colours in the report, on light and dark paper. Null: the report does not show the phase.
   const char* colour = nullptr;
@@ -59,13 +59,13 @@ inline constexpr auto phase_table = std::to_array<PhaseRow>({
     {
         .phase = Phase::planning,
         .name = "planning",
-        .words = "planning",
+        .label = "planning",
         .points = ProgressCounter::points_routed,
     },
     {
         .phase = Phase::routing,
         .name = "routing",
-        .words = "reading",
+        .label = "reading",
         .share = 0.08,
         .counters = {ProgressCounter::points_routed},
         .points = ProgressCounter::points_routed,
@@ -75,36 +75,36 @@ inline constexpr auto phase_table = std::to_array<PhaseRow>({
     {
         .phase = Phase::triangulating,
         .name = "triangulating",
-        .words = "triangulating",
+        .label = "triangulating",
         .program = ProgramKind::delaunay,
-        .step = ProgramStep::begin,
+        .step = StageStep::begin,
         .exchanges = true,  // a tile that has begun tells its neighbours
         .share = 0.55,
         .counters = {ProgressCounter::points_triangulated, ProgressCounter::tiles_triangulated},
         .points = ProgressCounter::points_triangulated,
-        .reached = TileStage::triangulated,
+        .reached = TileStatus::triangulated,
         .colour = "#2f6db5",
         .dark_colour = "#5b9be0",
     },
     {
         .phase = Phase::splaying,
         .name = "splaying",
-        .words = "joining tiles",
+        .label = "joining tiles",
         .program = ProgramKind::delaunay,
-        .step = ProgramStep::exchange,
+        .step = StageStep::exchange,
         .exchanges = true,
         .share = 0.12,
         .points = ProgressCounter::points_sent,
-        .reached = TileStage::splayed,
+        .reached = TileStatus::splayed,
         .colour = "#e08a2c",
         .dark_colour = "#f0a04b",
     },
     {
         .phase = Phase::collecting,
         .name = "collecting",
-        .words = "writing",
+        .label = "writing",
         .program = ProgramKind::delaunay,
-        .step = ProgramStep::store,
+        .step = StageStep::store,
         .settled = true,
         .share = 0.25,
         .counters = {ProgressCounter::tiles_stored},
@@ -115,7 +115,7 @@ inline constexpr auto phase_table = std::to_array<PhaseRow>({
     {
         .phase = Phase::finishing,
         .name = "finishing",
-        .words = "finishing",
+        .label = "finishing",
         .settled = true,
         .tiles = ProgressCounter::tiles_stored,
         .colour = "#8a63b0",
@@ -124,7 +124,7 @@ inline constexpr auto phase_table = std::to_array<PhaseRow>({
     {
         .phase = Phase::done,
         .name = "done",
-        .words = "done",
+        .label = "done",
         .settled = true,
         .over = true,
         .tiles = ProgressCounter::tiles_stored,
@@ -157,7 +157,7 @@ constexpr std::optional<Phase> phase_named(std::string_view name) {
 }
 
 // The phase in which tiles do this step of the program. REQUIRES: the program has the step.
-constexpr Phase phase_of(ProgramKind program, ProgramStep step) {
+constexpr Phase phase_of(ProgramKind program, StageStep step) {
   return phase_where([=](const PhaseRow& row) { return row.program == program && row.step == step; }).value();
 }
 

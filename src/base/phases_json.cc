@@ -19,7 +19,7 @@ CounterNames names_of(ProgressCounter tiles) {
 
 void print_row(const PhaseRow& row) {
   const CounterNames tiles = names_of(row.tiles);
-  std::printf(R"({"name": "%s", "words": "%s", "over": %s, "tiles": "%s", "tilesAre": "%s"})", row.name, row.words,
+  std::printf(R"({"name": "%s", "words": "%s", "over": %s, "tiles": "%s", "tilesAre": "%s"})", row.name, row.label,
               row.over ? "true" : "false", tiles.name, tiles.tiles_are);
 }
 

@@ -82,7 +82,7 @@ struct Progress {
   RecentMail mail;
 
   void add_span(const PhaseSpan& span) {
-    if (const auto reached = row_of(span.phase).reached) map.reached(span.tile, *reached);
+    if (const auto reached = row_of(span.phase).reached) map.note_reached(span.tile, *reached);
     const std::lock_guard lock(mutex_);
     timeline_.add(span);
   }

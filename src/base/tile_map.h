@@ -12,7 +12,7 @@
 namespace tessera {
 
 // The state of a tile, as a letter of TileMap::stages(). No letter there is `settled`.
-enum class TileStage : char {
+enum class TileStatus : char {
   empty = 'e',         // has no points and takes no part
   waiting = 'w',       // not triangulated yet
   triangulated = 't',  // triangulated by itself
@@ -42,7 +42,7 @@ class TileMap {
   // Starts a run and forgets the run before. `tile_points` has the number of points of each tile.
   void begin(TileLayout layout, const std::vector<std::uint64_t>& tile_points);
   // Records that a tile has reached a state. A tile that is triangulated a second time counts in begun_again().
-  void reached(TileId tile, TileStage stage);
+  void note_reached(TileId tile, TileStatus stage);
 
   TileLayout layout() const;
   // One letter for each tile. Empty before begin().

@@ -17,7 +17,7 @@ bool Members::hello(const MemberInfo& info, const NodeUse& use, Time now) {
   return true;
 }
 
-bool Members::reached_all(const NodeUuid& uuid) {
+bool Members::mark_reached_all(const NodeUuid& uuid) {
   const bool broken = std::any_of(broken_.begin(), broken_.end(),
                                   [&](const auto& pair) { return pair.first == uuid || pair.second == uuid; });
   if (broken) return false;
@@ -33,7 +33,7 @@ bool Members::renew(const NodeUuid& uuid, const NodeUse& use, Time now) {
   return true;
 }
 
-void Members::unreachable(const NodeUuid& from, const NodeUuid& to, Time now) {
+void Members::note_unreachable(const NodeUuid& from, const NodeUuid& to, Time now) {
   if (from == to || !members_.contains(from) || !members_.contains(to)) return;
   broken_.insert(std::minmax(from, to));
   if (!broken_since_) broken_since_ = now;
@@ -73,7 +73,7 @@ std::vector<Members::Loss> Members::lose_silent(Time now) {
   for (const auto& [uuid, member] : members_) {
     if (now - member.heard > lease_) silent.push_back(uuid);
   }
-  for (const NodeUuid& uuid : silent) losses.push_back(*lose(uuid, "has not been heard of for its lease"));
+  for (const NodeUuid& uuid : silent) losses.push_back(*lose(uuid, "has been silent for longer than its lease"));
   if (broken_since_ && now - *broken_since_ >= lease_ / 8) {
     while (!broken_.empty()) losses.push_back(*lose(worst_connected(), "cannot be reached by other nodes"));
   }

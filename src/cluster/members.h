@@ -47,7 +47,7 @@ struct NodeState {
 };
 
 // A node's membership, as the node itself sees it.
-struct NodePlace {
+struct MembershipStatus {
   bool member = false;       // its lease runs
   bool leaves = false;       // gets no more work
   std::string trouble;       // why it is no member
@@ -79,12 +79,12 @@ class Members {
   bool hello(const MemberInfo& info, const NodeUse& use, Time now);
   // The node has reached all nodes that were members when it came. Returns true when this call has
   // made it free for work. Returns false when it was free before, is no member, or is reported unreachable.
-  bool reached_all(const NodeUuid& uuid);
+  bool mark_reached_all(const NodeUuid& uuid);
   // Renews the lease of a node. Returns false when it is no member.
   bool renew(const NodeUuid& uuid, const NodeUse& use, Time now);
   // `from` cannot reach `to`. lose_silent() decides later which of the two is lost, when other nodes have had the time
   // to report as well.
-  void unreachable(const NodeUuid& from, const NodeUuid& to, Time now);
+  void note_unreachable(const NodeUuid& from, const NodeUuid& to, Time now);
   // Removes a node from the members for ever. Returns nothing when it is no member.
   std::optional<Loss> lose(const NodeUuid& uuid, std::string why);
   // Removes and returns all nodes that are lost by now. REQUIRES: called several times in each lease. When the last

@@ -73,9 +73,9 @@ Status DelaunayProgram::begin_settled(Message settled) {
 // Told bits are valid only if the sender goes by the same routing table.
 Status DelaunayProgram::take(TileId from, bool current, Message message) {
   if (message.size() % sizeof(SharedPoint) != 0) {
-    return error(Errc::internal, "tile " + std::to_string(self_.value) + ": of the " + std::to_string(message.size()) +
-                                     " bytes that tile " + std::to_string(from.value) +
-                                     " has sent, the last are no point");
+    return error(Errc::internal, "tile " + std::to_string(self_.value) + ": tile " + std::to_string(from.value) +
+                                     " has sent " + std::to_string(message.size()) +
+                                     " bytes, which is not a whole number of points");
   }
   for (std::size_t at = 0; at < message.size(); at += sizeof(SharedPoint)) {
     Heard& heard = heard_.emplace_back();

@@ -116,7 +116,9 @@ std::future<DiskStore::StoredEarly> DiskStore::store_early(TileId tile, std::sha
 
 Status DiskStore::take_early(TileId tile, BigVector<std::byte>& stored) {
   auto early = early_cells_of(stored);
-  if (!early) return error(Errc::corrupt, "what tells of a tile's first cells is damaged");
+  if (!early)
+    return error(Errc::corrupt,
+                 "tile " + std::to_string(tile.value) + ": the record of the cells that were written early is damaged");
   BOOST_OUTCOME_TRYV(take_early_cells(out_, tile, *early, options_));
   stored = bytes_of(*early);
   return success();
@@ -147,7 +149,7 @@ Result<Receipt> DiskStore::write_result(TileId tile, CollectedTile& collected) {
   }
   const auto early = early_cells_of(collected.stored);
   if (collected.early > 0 && (!early || early->cells != collected.early))
-    return error(Errc::internal, "tile " + std::to_string(tile.value) + " has lost its first cells");
+    return error(Errc::internal, "tile " + std::to_string(tile.value) + " has lost the cells that were written early");
   BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, collected.mesh, collected, rows, options_,
                                       collected.early > 0 ? &*early : nullptr));
   BOOST_OUTCOME_TRYV(remove_beginnings(scratch_, tile));

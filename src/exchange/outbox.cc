@@ -16,8 +16,8 @@ OutboxOptions outboxes_within(std::uint64_t bytes, std::uint64_t peers) {
   const OutboxOptions most;
   OutboxOptions out;
   const std::uint64_t each = bytes / 2 / std::max<std::uint64_t>(1, peers);
-  out.parcel_bytes = std::clamp<std::uint64_t>(each / 2, 64 << 10, most.parcel_bytes);
-  out.window_bytes = std::clamp(each, 2 * out.parcel_bytes, most.window_bytes);
+  out.packet_bytes = std::clamp<std::uint64_t>(each / 2, 64 << 10, most.packet_bytes);
+  out.window_bytes = std::clamp(each, 2 * out.packet_bytes, most.window_bytes);
   out.memory_bytes = std::min(each, most.memory_bytes);
   return out;
 }
@@ -50,7 +50,7 @@ std::vector<Update> Outbox::cut() {
   std::uint64_t bytes = 0;
   while (!held_.empty()) {
     const std::uint64_t more = bytes_of(held_.front());
-    if (!packet.empty() && bytes + more > options_.parcel_bytes) break;
+    if (!packet.empty() && bytes + more > options_.packet_bytes) break;
     bytes += more;
     packet.push_back(std::move(held_.front()));
     held_.pop_front();
@@ -80,7 +80,7 @@ Result<std::vector<Update>> Outbox::next() {
   std::vector<Update> packet;
   if (waiting_bytes() == 0) return packet;
   const std::uint64_t bytes = spilled_.empty()
-                                  ? std::min(std::max(bytes_of(held_.front()), options_.parcel_bytes), held_bytes_)
+                                  ? std::min(std::max(bytes_of(held_.front()), options_.packet_bytes), held_bytes_)
                                   : spilled_.front().bytes;
   // The receiver may hold back held_back() bytes without giving credit, so that much under way counts as nothing.
   // Otherwise an update larger than the rest of the window would wait for ever.
@@ -96,7 +96,9 @@ Result<std::vector<Update>> Outbox::next() {
     FlatReader in(payload);
     bool sound = true;
     while (sound && !in.at_end()) sound = get(in, packet.emplace_back());
-    if (!sound) return error(Errc::corrupt, scratch_.string() + ": is not what was put there");
+    if (!sound)
+      return error(Errc::corrupt,
+                   scratch_.string() + ": is damaged: it does not hold the updates that were written to it");
     spilled_bytes_ -= spilled_.front().bytes;
     spilled_.pop_front();
     if (spilled_.empty()) {

@@ -20,7 +20,7 @@ namespace tessera {
 
 struct OutboxOptions {
   std::uint64_t window_bytes = std::uint64_t{32} << 20;
-  std::uint64_t parcel_bytes = std::uint64_t{1} << 20;  // size of a packet; a larger update is a packet of its own
+  std::uint64_t packet_bytes = std::uint64_t{1} << 20;  // size of a packet; a larger update is a packet of its own
   std::uint64_t memory_bytes = std::uint64_t{8} << 20;  // of what waits; more goes to scratch
 };
 
@@ -30,7 +30,7 @@ struct OutboxOptions {
 OutboxOptions outboxes_within(std::uint64_t bytes, std::uint64_t peers);
 
 // More bytes than a node that keeps to the largest window ever has under way to another one.
-inline constexpr std::uint64_t in_flight_max = OutboxOptions{}.window_bytes + 4 * OutboxOptions{}.parcel_bytes;
+inline constexpr std::uint64_t in_flight_max = OutboxOptions{}.window_bytes + 4 * OutboxOptions{}.packet_bytes;
 
 struct OutboxCounts {
   std::uint64_t packets = 0, bytes = 0;  // sent

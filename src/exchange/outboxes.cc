@@ -10,7 +10,7 @@ Outboxes::Outboxes(const OutboxOptions& options, std::filesystem::path scratch)
     : options_(options), scratch_(std::move(scratch)) {}
 
 Status Outboxes::add(NodeId to, Update update) {
-  return outboxes_.try_emplace(to, options_, scratch_.empty() ? scratch_ : gate_scratch_file(scratch_, to))
+  return outboxes_.try_emplace(to, options_, scratch_.empty() ? scratch_ : outbox_scratch_file(scratch_, to))
       .first->second.add(std::move(update));
 }
 

@@ -79,7 +79,7 @@ std::size_t Placements::release_homeless(const Lives& lives, const std::vector<b
   return released_.size() - before;
 }
 
-bool Placements::answer(NodeId node, std::span<const TileId> tiles) {
+bool Placements::take_answer(NodeId node, std::span<const TileId> tiles) {
   const auto asked = asked_.find(node);
   if (asked == asked_.end()) return false;  // the node was lost meanwhile, and its tiles with it
   asked_.erase(asked);

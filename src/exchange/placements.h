@@ -60,10 +60,10 @@ class Placements {
   std::size_t release_homeless(const Lives& lives, const std::vector<bool>& given_up = {});
 
   // A node was asked to give up some of its tiles. A node may be asked several times, and owes one answer each time.
-  // answer() takes the tiles that it has given up. It returns false, and ignores them, when no answer is owed: the node
-  // was lost meanwhile.
+  // take_answer() takes the tiles that it has given up. It returns false, and ignores them, when no answer is owed: the
+  // node was lost meanwhile.
   void ask(NodeId node) { asked_.insert(node); }
-  bool answer(NodeId node, std::span<const TileId> tiles);
+  bool take_answer(NodeId node, std::span<const TileId> tiles);
   // A newcomer wants work: asks each other host for what it holds, divided by the number of hosts. Returns whom to ask
   // for how much weight.
   struct Request {

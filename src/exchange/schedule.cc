@@ -29,10 +29,10 @@ void Schedule::set_stored(TileId tile) {
   link(tile);
 }
 
-void Schedule::enter(Phase phase) {
-  const bool again = phase_ == Phase::settling && phase == Phase::exchanging;
-  check_read(phase >= phase_ || again, "phases follow one another");
-  phase_ = phase;
+void Schedule::enter(Mode mode) {
+  const bool again = mode_ == Mode::settling && mode == Mode::exchanging;
+  check_read(mode >= mode_ || again, "the modes of a schedule follow one another");
+  mode_ = mode;
   pending_.clear();
   for (auto& [id, tile] : tiles_) {
     if (again) tile.settled = false;
@@ -42,11 +42,11 @@ void Schedule::enter(Phase phase) {
 
 void Schedule::add(TileId id, std::uint64_t weight) {
   Tile& tile = tiles_[id];
-  check_read(tile.place == Place::gone, "a tile is here once");
-  check_read(phase_ != Phase::settling, "what has to begin is not settled");
+  check_read(tile.residency == Residency::gone, "a tile is here once");
+  check_read(mode_ != Mode::settling, "what has to begin is not settled");
   tile = {};
   tile.weight = weight;
-  tile.place = Place::fresh;
+  tile.residency = Residency::fresh;
   ++fresh_;
   next_fresh_ = std::min(next_fresh_, id);
   link(id);
@@ -56,7 +56,7 @@ std::vector<TileId> Schedule::release(std::uint64_t weight) {
   std::vector<TileId> released;
   for (auto next = tiles_.end(); next != tiles_.begin() && weight > 0;) {
     auto& [id, tile] = *--next;
-    if (tile.place != Place::fresh || tile.working || tile.is_stored) continue;
+    if (tile.residency != Residency::fresh || tile.working || tile.is_stored) continue;
     weight -= std::min(weight, tile.weight);
     unlink(id);
     set_memory(tile, 0);
@@ -68,42 +68,43 @@ std::vector<TileId> Schedule::release(std::uint64_t weight) {
 }
 
 // Updates are counted, too, because empty updates must be processed as well.
-Schedule::Ready Schedule::place(TileId id, const Tile& tile) {
+Schedule::Ready Schedule::rank(TileId id, const Tile& tile) {
   return {~tile.mail.hops, tile.mail.bytes + tile.mail.updates, id};
 }
 
 bool Schedule::pending(const Tile& tile) const {
-  if (phase_ == Phase::settling) {
-    return !tile.settled && (tile.place == Place::awake || (options_.settle_asleep && tile.place == Place::asleep));
+  if (mode_ == Mode::settling) {
+    return !tile.settled &&
+           (tile.residency == Residency::awake || (options_.settle_asleep && tile.residency == Residency::asleep));
   }
-  if (phase_ == Phase::handing) return tile.place == Place::awake || tile.place == Place::asleep;
-  if (phase_ != Phase::collecting) return false;
-  if (tile.place == Place::awake) return true;  // is finished, or at least dropped
-  return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
+  if (mode_ == Mode::handing) return tile.residency == Residency::awake || tile.residency == Residency::asleep;
+  if (mode_ != Mode::collecting) return false;
+  if (tile.residency == Residency::awake) return true;  // is finished, or at least dropped
+  return !tile.is_stored && (tile.residency == Residency::fresh || tile.residency == Residency::asleep);
 }
 
 void Schedule::unlink(TileId t) {
   const Tile& tile = tiles_.at(t);
   if (tile.working) return;
-  if (tile.place == Place::awake && tile.mail.updates > 0) {
-    ready_.erase(place(t, tile));
+  if (tile.residency == Residency::awake && tile.mail.updates > 0) {
+    ready_.erase(rank(t, tile));
     awake_.erase({tile.mail.bytes, t});
   }
   quiet_.erase(t);
   called_.erase(t);
-  pending_.erase({tile.place != Place::awake, t});
+  pending_.erase({tile.residency != Residency::awake, t});
 }
 
 void Schedule::link(TileId t) {
   const Tile& tile = tiles_.at(t);
   if (tile.working) return;
-  if (tile.place == Place::awake && tile.mail.updates > 0) {
-    ready_.insert(place(t, tile));
+  if (tile.residency == Residency::awake && tile.mail.updates > 0) {
+    ready_.insert(rank(t, tile));
     awake_.insert({tile.mail.bytes, t});
   }
-  if (tile.place == Place::awake && tile.mail.updates == 0) quiet_.insert(t);
-  if (tile.place == Place::asleep && tile.mail.updates > 0) called_.insert(t);
-  if (pending(tile)) pending_.insert({tile.place != Place::awake, t});
+  if (tile.residency == Residency::awake && tile.mail.updates == 0) quiet_.insert(t);
+  if (tile.residency == Residency::asleep && tile.mail.updates > 0) called_.insert(t);
+  if (pending(tile)) pending_.insert({tile.residency != Residency::awake, t});
 }
 
 void Schedule::set_memory(Tile& tile, std::uint64_t bytes) {
@@ -111,52 +112,52 @@ void Schedule::set_memory(Tile& tile, std::uint64_t bytes) {
   tile.memory = bytes;
 }
 
-void Schedule::mail(TileId id, const Waiting& waiting) {
+void Schedule::note_mail(TileId id, const Waiting& waiting) {
   const auto found = tiles_.find(id);
   if (found == tiles_.end()) return;
   Tile& tile = found->second;
-  if (tile.working || tile.place == Place::gone) return;
+  if (tile.working || tile.residency == Residency::gone) return;
   unlink(id);
   set_memory(tile, tile.memory - tile.mail.memory + waiting.memory);
   tile.mail = waiting;
   link(id);
 }
 
-void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
+void Schedule::note_done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
   Tile& tile = tiles_.at(id);
   check_read(tile.working, "only granted work is done");
   if (work == Work::sleep) freeing_ -= tile.memory;
   tile.working = false;
   --working_;
   tile.mail = waiting;
-  const bool woken = tile.place == Place::asleep;
+  const bool woken = tile.residency == Residency::asleep;
   switch (work) {
     case Work::begin:
-      tile.place = Place::awake;
+      tile.residency = Residency::awake;
       --fresh_;
       break;
     case Work::step:
-      tile.place = Place::awake;
+      tile.residency = Residency::awake;
       break;
     case Work::sleep:
-      tile.place = Place::asleep;
+      tile.residency = Residency::asleep;
       ++asleep_;
       ++sleeps_;
       break;
     case Work::settle:
-      tile.place = Place::awake;
+      tile.residency = Residency::awake;
       tile.settled = true;
       break;
     case Work::finish:
-      if (tile.place == Place::fresh) --fresh_;
-      tile.place = Place::storing;
+      if (tile.residency == Residency::fresh) --fresh_;
+      tile.residency = Residency::storing;
       tile.storing = storing;
       ++storing_;
       storing_bytes_ += storing;
       break;
     case Work::drop:
     case Work::hand_over:
-      tile.place = Place::gone;
+      tile.residency = Residency::gone;
       break;
   }
   if (woken) --asleep_;
@@ -165,12 +166,12 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
   link(id);
 }
 
-void Schedule::stored(TileId id) {
+void Schedule::note_stored(TileId id) {
   Tile& tile = tiles_.at(id);
-  check_read(tile.place == Place::storing, "only what was collected is stored");
+  check_read(tile.residency == Residency::storing, "only what was collected is stored");
   set_memory(tile, tile.memory - tile.storing);
   storing_bytes_ -= std::exchange(tile.storing, 0);
-  tile.place = Place::gone;
+  tile.residency = Residency::gone;
   tile.is_stored = true;
   --storing_;
 }
@@ -181,36 +182,36 @@ void Schedule::abandon(TileId id) {
   Tile& tile = found->second;
   unlink(id);
   if (tile.working) --working_;
-  if (tile.place == Place::storing) {
+  if (tile.residency == Residency::storing) {
     --storing_;
     storing_bytes_ -= tile.storing;
   }
-  if (tile.place == Place::fresh) --fresh_;
-  if (tile.place == Place::asleep) --asleep_;
+  if (tile.residency == Residency::fresh) --fresh_;
+  if (tile.residency == Residency::asleep) --asleep_;
   tile.working = false;
-  tile.place = Place::gone;
+  tile.residency = Residency::gone;
 }
 
 bool Schedule::idle() const {
   if (working_ + storing_ > 0) return false;
-  switch (phase_) {
-    case Phase::exchanging:
+  switch (mode_) {
+    case Mode::exchanging:
       return fresh_ == 0 && ready_.empty() && called_.empty();
-    case Phase::settling:
-    case Phase::collecting:
-    case Phase::handing:
+    case Mode::settling:
+    case Mode::collecting:
+    case Mode::handing:
       return pending_.empty();
-    case Phase::suspending:
+    case Mode::suspending:
       return quiet_.empty() && awake_.empty();
-    case Phase::stopping:
+    case Mode::stopping:
       return true;
   }
   return true;
 }
 
 std::optional<Schedule::Permit> Schedule::next() {
-  if (working_ >= options_.threads + options_.threads || phase_ == Phase::stopping) return std::nullopt;
-  if (phase_ == Phase::suspending) {
+  if (working_ >= options_.threads + options_.threads || mode_ == Mode::stopping) return std::nullopt;
+  if (mode_ == Mode::suspending) {
     if (ahead()) return std::nullopt;
     while (const auto t = to_sleep(nobody)) {
       const std::uint64_t held = tiles_.at(*t).held;
@@ -223,28 +224,28 @@ std::optional<Schedule::Permit> Schedule::next() {
     }
     return std::nullopt;
   }
-  if (phase_ == Phase::handing) return hand_next();
-  if (phase_ == Phase::settling) {
+  if (mode_ == Mode::handing) return hand_next();
+  if (mode_ == Mode::settling) {
     if (pending_.empty()) return std::nullopt;
     const TileId t = pending_.begin()->second;
     const Tile& tile = tiles_.at(t);
-    if (tile.place == Place::awake) return permit(t, Work::settle, tile.memory);
+    if (tile.residency == Residency::awake) return permit(t, Work::settle, tile.memory);
     return grant_in_room(t, Work::settle, tile.memory + waking_bytes(tile));
   }
-  if (phase_ == Phase::collecting) {
+  if (mode_ == Mode::collecting) {
     // Tiles that wait for the disk may not take the memory of others, unless they are small.
     const bool many = storing_ > options_.threads && storing_bytes_ > options_.memory_bytes / 16;
     if (pending_.empty() || many) return std::nullopt;
     const TileId t = pending_.begin()->second;
     const Tile& tile = tiles_.at(t);
     if (tile.is_stored) return permit(t, Work::drop, tile.memory);
-    const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.weight
-                                 : tile.place == Place::asleep ? tile.held
-                                                               : 0;
+    const std::uint64_t before = tile.residency == Residency::fresh    ? options_.begin_bytes * tile.weight
+                                 : tile.residency == Residency::asleep ? tile.held
+                                                                       : 0;
     return grant_in_room(t, Work::finish, tile.memory + before + options_.collect_bytes * tile.weight);
   }
   auto fresh = tiles_.lower_bound(next_fresh_);
-  while (fresh != tiles_.end() && (fresh->second.place != Place::fresh || fresh->second.working)) ++fresh;
+  while (fresh != tiles_.end() && (fresh->second.residency != Residency::fresh || fresh->second.working)) ++fresh;
   next_fresh_ = fresh == tiles_.end() ? nobody : fresh->first;
   if (fresh != tiles_.end()) {
     const auto& [t, tile] = *fresh;
@@ -262,7 +263,7 @@ std::optional<Schedule::Permit> Schedule::hand_next() {
   const TileId t = pending_.begin()->second;
   const Tile& tile = tiles_.at(t);
   const std::uint64_t needed = tile.memory + sleeping_bytes(tile);
-  if (tile.place == Place::asleep && working_ > 0 && !fits(t, needed)) return std::nullopt;
+  if (tile.residency == Residency::asleep && working_ > 0 && !fits(t, needed)) return std::nullopt;
   return permit(t, Work::hand_over, needed);
 }
 

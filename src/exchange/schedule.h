@@ -2,7 +2,7 @@
 // without I/O and threads: it is told what has happened, and says what to do. Each call takes time in the logarithm of
 // the number of tiles, except enter() and release().
 //
-// phase      | permits that are given
+// mode       | permits that are given
 // exchanging | begin, to every tile in order; step, to tiles in memory: first those with the shortest chain of mail
 //            | behind them, of these those with most mail. Such steps come once all tiles have begun, or earlier when
 //            | the next tile to begin would need another tile to sleep. Then step, to sleeping tiles, in one sweep
@@ -48,7 +48,7 @@ struct ScheduleOptions {
 
 class Schedule {
  public:
-  enum class Phase : std::uint8_t { exchanging, settling, collecting, handing, suspending, stopping };
+  enum class Mode : std::uint8_t { exchanging, settling, collecting, handing, suspending, stopping };
   // The leave for a tile to do one piece of work.
   struct Permit {
     TileId tile;
@@ -62,16 +62,16 @@ class Schedule {
   // Notes that the result of a tile is stored already. The tile takes part in the exchange and is not collected. Does
   // nothing when the tile is not here.
   void set_stored(TileId tile);
-  // Adds a fresh tile that has come to this node. REQUIRES: no tile of this number is here, and the phase is not
+  // Adds a fresh tile that has come to this node. REQUIRES: no tile of this number is here, and the mode is not
   // settling.
   void add(TileId tile, std::uint64_t weight);
   // Removes and returns fresh tiles that do not work and are not stored, the last first, until they weigh `weight`
   // together or there are no more.
   std::vector<TileId> release(std::uint64_t weight);
-  // REQUIRES: phases go forward only, in the order of Phase, or back from settling to exchanging. A schedule enters
+  // REQUIRES: modes go forward only, in the order of Mode, or back from settling to exchanging. A schedule enters
   // handing from exchanging.
-  void enter(Phase phase);
-  Phase phase() const { return phase_; }
+  void enter(Mode mode);
+  Mode mode() const { return mode_; }
 
   // The mail that waits for a tile, and the memory that it takes.
   struct Waiting {
@@ -80,20 +80,20 @@ class Schedule {
   };
   // Says what waits for a tile now, after more mail has come. Ignored while the tile works, because its report will say
   // it.
-  void mail(TileId tile, const Waiting& waiting);
+  void note_mail(TileId tile, const Waiting& waiting);
   // A tile has done the work of its permit. `bytes` is what it holds beside its mail, `storing` what it has given to
   // the store.
-  void done(TileId tile, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing = 0);
+  void note_done(TileId tile, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing = 0);
   // What the tile has given to the store is stored.
-  void stored(TileId tile);
+  void note_stored(TileId tile);
   // Gives a tile up, if it is here: no work, report or mail of it is expected any more.
   void abandon(TileId tile);
 
-  // Returns the next permit, if one can be given now. The tile counts as working until done().
+  // Returns the next permit, if one can be given now. The tile counts as working until note_done().
   std::optional<Permit> next();
 
   bool all_begun() const { return fresh_ == 0; }
-  // Returns whether no permit is out, nothing is being stored, and nothing waits for which this phase would give a
+  // Returns whether no permit is out, nothing is being stored, and nothing waits for which this mode would give a
   // permit.
   bool idle() const;
   bool working(TileId tile) const {
@@ -102,14 +102,14 @@ class Schedule {
   }
   bool storing(TileId tile) const {
     const auto found = tiles_.find(tile);
-    return found != tiles_.end() && found->second.place == Place::storing;
+    return found != tiles_.end() && found->second.residency == Residency::storing;
   }
   std::uint64_t memory() const { return memory_; }
   std::uint32_t asleep() const { return asleep_; }
   std::uint64_t sleeps() const { return sleeps_; }
 
  private:
-  enum class Place : std::uint8_t { fresh, awake, asleep, storing, gone };
+  enum class Residency : std::uint8_t { fresh, awake, asleep, storing, gone };
   struct Tile {
     std::uint64_t weight = 0;
     Waiting mail;
@@ -117,7 +117,7 @@ class Schedule {
         0;  // reserved while it works, reported after that; includes its mail and what is being stored
     std::uint64_t storing = 0;
     std::uint64_t held = 0;  // beside mail, when it was last awake
-    Place place = Place::gone;
+    Residency residency = Residency::gone;
     bool working = false, is_stored = false, settled = false;
   };
   using Ready = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // order of steps: the greatest is first
@@ -126,7 +126,7 @@ class Schedule {
   // Take a tile out of the sets in which it is, and put it into those in which it belongs now.
   void unlink(TileId tile);
   void link(TileId tile);
-  static Ready place(TileId id, const Tile& tile);
+  static Ready rank(TileId id, const Tile& tile);
   bool pending(const Tile& tile) const;
   // Returns whether the tile can have `needed` bytes once others have given `freed` bytes back.
   bool fits(TileId tile, std::uint64_t needed, std::uint64_t freed = 0) const;
@@ -146,7 +146,7 @@ class Schedule {
 
   ScheduleOptions options_;
   std::map<TileId, Tile> tiles_;  // only tiles that are here: there may be very many elsewhere
-  Phase phase_ = Phase::exchanging;
+  Mode mode_ = Mode::exchanging;
   std::set<Ready, std::greater<>> ready_;      // in memory, idle, with mail
   std::set<TileId> called_;                    // asleep, with mail
   std::set<TileId> quiet_;                     // in memory, idle, without mail

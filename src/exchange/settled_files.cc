@@ -63,19 +63,19 @@ Result<SettledFiles::Index> SettledFiles::read_index() const {
   FolderReader reader(folder_);
   while (const char* file = reader.next()) {
     if (!is_settled_name(file)) continue;
-    BOOST_OUTCOME_TRY(places, places_of_frames(folder_ / file, ScratchKind::settled));
-    for (const FramePlace& place : places)
-      index.places[TileId{static_cast<std::uint32_t>(place.owner.item)}] = {folder_ / file, place.at};
+    BOOST_OUTCOME_TRY(frames, frame_offsets(folder_ / file, ScratchKind::settled));
+    for (const FrameOffset& frame : frames)
+      index.frames[TileId{static_cast<std::uint32_t>(frame.owner.item)}] = {folder_ / file, frame.at};
   }
   if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
     return io_error(folder_, "cannot be read", reader.error().value());
   return index;
 }
 
-Result<std::optional<SettledFiles::Place>> SettledFiles::find(TileId tile) {
+Result<std::optional<SettledFiles::StoredFrame>> SettledFiles::find(TileId tile) {
   const std::lock_guard lock(mutex_);
   bool old = !index_;
-  if (index_ && !index_->places.contains(tile)) {
+  if (index_ && !index_->frames.contains(tile)) {
     BOOST_OUTCOME_TRY(bytes, bytes_there());
     old = bytes != index_->bytes;
   }
@@ -83,19 +83,19 @@ Result<std::optional<SettledFiles::Place>> SettledFiles::find(TileId tile) {
     BOOST_OUTCOME_TRY(index, read_index());
     index_ = std::move(index);
   }
-  const auto found = index_->places.find(tile);
-  return found == index_->places.end() ? std::optional<Place>() : found->second;
+  const auto found = index_->frames.find(tile);
+  return found == index_->frames.end() ? std::optional<StoredFrame>() : found->second;
 }
 
 Result<bool> SettledFiles::has(TileId tile) {
-  BOOST_OUTCOME_TRY(place, find(tile));
-  return place.has_value();
+  BOOST_OUTCOME_TRY(frame, find(tile));
+  return frame.has_value();
 }
 
 Result<std::optional<BigVector<std::byte>>> SettledFiles::read(TileId tile) {
-  BOOST_OUTCOME_TRY(place, find(tile));
-  if (!place) return std::optional<BigVector<std::byte>>();
-  BOOST_OUTCOME_TRY(payload, read_frame_at(place->file, ScratchKind::settled, {seal_, tile.value}, place->at));
+  BOOST_OUTCOME_TRY(frame, find(tile));
+  if (!frame) return std::optional<BigVector<std::byte>>();
+  BOOST_OUTCOME_TRY(payload, read_frame_at(frame->file, ScratchKind::settled, {seal_, tile.value}, frame->at));
   return std::optional(std::move(payload));
 }
 

@@ -36,15 +36,15 @@ class SettledFiles {
   Status clear();
 
  private:
-  struct Place {
+  struct StoredFrame {
     std::filesystem::path file;
     std::uint64_t at = 0;
   };
   struct Index {
-    std::unordered_map<TileId, Place> places;
+    std::unordered_map<TileId, StoredFrame> frames;
     std::uint64_t bytes = 0;  // size of all files when they were read
   };
-  Result<std::optional<Place>> find(TileId tile);
+  Result<std::optional<StoredFrame>> find(TileId tile);
   Result<Index> read_index() const;
   Result<std::uint64_t> bytes_there() const;
 

@@ -29,11 +29,13 @@ std::string to_bytes(const ShareSpec& spec) {
 
 Result<ShareSpec> spec_from_bytes(const std::string& bytes) {
   proto::ShareSpec message;
-  const auto refuse = [](const char* what) { return error(Errc::internal, std::string("a job's part ") + what); };
+  const auto refuse = [](const char* what) {
+    return error(Errc::internal, std::string("the description of a node's share of a job ") + what);
+  };
   if (!message.ParseFromString(bytes)) return refuse("cannot be read");
   if (message.threads() == 0 || message.nodes_size() != message.incarnations_size() ||
       message.nodes_size() != message.incarnation_terms_size()) {
-    return refuse("is not what any coordinator sends");
+    return refuse("has numbers that no coordinator sends");
   }
   ShareSpec spec;
   spec.run_folder = message.run_folder();

@@ -51,7 +51,8 @@ Result<Term> claim_term(const std::filesystem::path& run) {
     if (::mkdir(folder.c_str(), 0777) == 0) return highest;  // a folder that was there before is another claim
     if (errno != EEXIST) return io_error(folder, "cannot be made", errno);
   }
-  return error(Errc::io, terms_folder(run).string() + ": holds the last term that there is");
+  return error(Errc::io, terms_folder(run).string() +
+                             ": the highest possible term is in use, so no further coordinator can take the job");
 }
 
 Status forget_terms(const std::filesystem::path& run, Term below) {

@@ -14,7 +14,7 @@ TileLife::TileLife(TileIncarnation self, const TileContext& context, std::shared
       context_(context),
       table_(std::move(table)),
       program_(context.programs->program_of(self.tile)),
-      mail_(self.tile, context.mail_bytes_max) {}
+      inbox_(self.tile, context.mail_bytes_max) {}
 
 template <class Work>
 auto TileLife::with_what_was_read(const Work& work) -> decltype(work()) {
@@ -27,11 +27,11 @@ auto TileLife::with_what_was_read(const Work& work) -> decltype(work()) {
   const std::string name = "tile " + std::to_string(self_.tile.value) + ": ";
   if (!read_back_) return error(Errc::internal, name + reason);
   BOOST_OUTCOME_TRYV(remove_beginnings(*context_.storage, self_.tile));
-  return error(Errc::corrupt, name + "what it has left on disk cannot be gone on with: " + reason);
+  return error(Errc::corrupt, name + "its files on disk do not fit, so the tile cannot continue from them: " + reason);
 }
 
 Status TileLife::begin() {
-  check(phase_ == Phase::fresh, "a tile begins once");
+  check(state_ == State::fresh, "a tile begins once");
   return with_what_was_read([&] { return begin_somehow(); });
 }
 
@@ -44,7 +44,7 @@ Status TileLife::begin_somehow() {
       BOOST_OUTCOME_TRYV(program_->begin());
     }
   }
-  phase_ = Phase::awake;
+  state_ = State::awake;
   // Asks for a step. What the tile has heard by then, and what its neighbours tell it first, is processed in it
   // together.
   call_ = program_->due();
@@ -72,16 +72,16 @@ Result<bool> TileLife::restore_handed() {
 
 Status TileLife::receive(Update update) {
   if (dead(update) || handed_) return success();
-  if (phase_ == Phase::gone) {
+  if (state_ == State::gone) {
     return error(Errc::internal, "tile " + std::to_string(self_.tile.value) + " got mail after quiescence");
   }
   waiting_hops_ = std::max(waiting_hops_, update.hops);
-  return mail_.add(std::move(update), *context_.storage);
+  return inbox_.add(std::move(update), *context_.storage);
 }
 
 void TileLife::rejoin(std::shared_ptr<const RoutingTable> table, const IncarnationChanges* rebirths) {
-  if (table->epoch <= table_->epoch || phase_ == Phase::gone) return;
-  if (phase_ != Phase::fresh) {
+  if (table->epoch <= table_->epoch || state_ == State::gone) return;
+  if (state_ != State::fresh) {
     Epoch reached = table->epoch;
     for (const IncarnationChanges* r = rebirths; r && r->epoch > table_->epoch; r = r->before.get()) {
       check(r->epoch == reached, "tables follow one another");
@@ -103,7 +103,7 @@ Status TileLife::step() {
 
 Status TileLife::process_mail() {
   BOOST_OUTCOME_TRYV(wake());
-  BOOST_OUTCOME_TRY(mail, mail_.take(*context_.storage));
+  BOOST_OUTCOME_TRY(mail, inbox_.take(*context_.storage));
   std::erase_if(mail, [&](const Update& update) { return dead(update); });
   hops_ = std::max(hops_, std::exchange(waiting_hops_, 0));
   if (!reborn_.empty()) {
@@ -140,7 +140,7 @@ Update TileLife::outgoing(TileIncarnation to, Message message) {
 }
 
 Status TileLife::sleep() {
-  check(phase_ == Phase::awake, "only a tile that is awake falls asleep");
+  check(state_ == State::awake, "only a tile that is awake falls asleep");
   BOOST_OUTCOME_TRYV(program_->put_aside());
   if (!imaged_) {
     BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::state, program_->save()));
@@ -148,36 +148,36 @@ Status TileLife::sleep() {
   }
   program_->free();
   counters_.trim();  // many tiles are asleep
-  phase_ = Phase::asleep;
+  state_ = State::asleep;
   return success();
 }
 
 Status TileLife::wake() {
-  if (phase_ == Phase::awake) return success();
-  check(phase_ == Phase::asleep, "only a tile that sleeps is woken");
+  if (state_ == State::awake) return success();
+  check(state_ == State::asleep, "only a tile that sleeps is woken");
   BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::state));
   if (pieces.size() != 1) return damaged(self_.tile, "image");
   read_back_ = true;
   BOOST_OUTCOME_TRY(loaded, program_->load(std::move(pieces[0]), ImageOf::sleeper));
   if (!loaded) return damaged(self_.tile, "image");
-  phase_ = Phase::awake;
+  state_ = State::awake;
   return success();
 }
 
 // docs/cluster-design.md, "Draining".
 Status TileLife::hand_over() {
-  check(phase_ == Phase::awake || phase_ == Phase::asleep, "only a tile that has begun is handed over");
+  check(state_ == State::awake || state_ == State::asleep, "only a tile that has begun is handed over");
   const Status written = write_handed();
   drop();
   handed_ = true;
   call_ = false;
-  BOOST_OUTCOME_TRYV(mail_.clear(*context_.storage));
+  BOOST_OUTCOME_TRYV(inbox_.clear(*context_.storage));
   return written;
 }
 
 Status TileLife::write_handed() {
   Image image;
-  if (phase_ == Phase::asleep) {
+  if (state_ == State::asleep) {
     BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::state));
     if (pieces.size() != 1) return damaged(self_.tile, "image");
     image = std::move(pieces[0]);
@@ -193,7 +193,7 @@ Status TileLife::settle() {
   if (context_.many_nodes) {
     BOOST_OUTCOME_TRYV(wake());
   } else {
-    if (phase_ != Phase::awake || imaged_) return success();
+    if (state_ != State::awake || imaged_) return success();
     // An earlier image says less than what is written now. If that were lost, a reader that finds the image would take
     // it for all.
     BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, ScratchKind::state));
@@ -212,13 +212,13 @@ Status TileLife::begin_settled() {
     BOOST_OUTCOME_TRYV(program_->begin_settled(std::move(pieces[0])));
   }
   program_->messages();  // all other tiles know them already
-  phase_ = Phase::awake;
+  state_ = State::awake;
   return success();
 }
 
 Result<std::unique_ptr<Finished>> TileLife::finish() {
   return with_what_was_read([&]() -> Result<std::unique_ptr<Finished>> {
-    if (phase_ == Phase::fresh) {
+    if (state_ == State::fresh) {
       BOOST_OUTCOME_TRYV(begin_settled());
     }
     BOOST_OUTCOME_TRYV(wake());
@@ -229,14 +229,14 @@ Result<std::unique_ptr<Finished>> TileLife::finish() {
 }
 
 Status TileLife::leave() {
-  check(phase_ == Phase::fresh, "only a tile that has not begun leaves");
-  phase_ = Phase::gone;
-  return mail_.clear(*context_.storage);
+  check(state_ == State::fresh, "only a tile that has not begun leaves");
+  state_ = State::gone;
+  return inbox_.clear(*context_.storage);
 }
 
 void TileLife::drop() {
   program_->free();
-  phase_ = Phase::gone;
+  state_ = State::gone;
 }
 
 }  // namespace tessera

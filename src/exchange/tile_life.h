@@ -16,7 +16,7 @@
 
 #include "src/base/result.h"
 #include "src/exchange/counters.h"
-#include "src/exchange/mail.h"
+#include "src/exchange/inbox.h"
 #include "src/exchange/routing_table.h"
 #include "src/exchange/tile_program.h"
 #include "src/exchange/tile_storage.h"
@@ -56,7 +56,7 @@ class TileLife {
   Status receive(Update update);
   // Goes by `table` from now on. In it some tiles were reborn, and nothing from their dead incarnations counts any
   // more. A tile that has begun calls itself to a step (take_outgoing()), in which it first tells the reborn tiles
-  // again what may have been lost. Allowed in any phase. Touches neither the program nor scratch, so it is fast. A
+  // again what may have been lost. Allowed in any state. Touches neither the program nor scratch, so it is fast. A
   // table that is no newer than the tile's changes nothing. `rebirths` has all changes from the tile's table, or an
   // earlier one, up to `table`; it may be null when the tile has not begun.
   void rejoin(std::shared_ptr<const RoutingTable> table, const IncarnationChanges* rebirths);
@@ -81,19 +81,19 @@ class TileLife {
   // Returns the updates that are to be sent to other tiles, or to this one. They count as sent from now on.
   std::vector<Update> take_outgoing();
 
-  std::uint64_t waiting_updates() const { return mail_.updates(); }
-  std::uint64_t waiting_bytes() const { return mail_.bytes(); }
+  std::uint64_t waiting_updates() const { return inbox_.updates(); }
+  std::uint64_t waiting_bytes() const { return inbox_.bytes(); }
   // The length of the longest chain of updates that ends with a waiting one.
   std::uint32_t waiting_hops() const { return waiting_hops_; }
-  std::uint64_t mail_memory() const { return mail_.memory(); }
+  std::uint64_t mail_memory() const { return inbox_.memory(); }
   Totals totals() const { return counters_.totals(); }
   std::uint64_t updates_sent() const { return updates_sent_; }
-  std::size_t memory() const { return program_->memory() + mail_.memory() + counters_.memory(); }
+  std::size_t memory() const { return program_->memory() + inbox_.memory() + counters_.memory(); }
   const ExchangeCounts& counts() const { return program_->counts(); }
   std::uint32_t hops() const { return hops_; }  // length of the longest chain of updates that reached this tile
 
  private:
-  enum class Phase : std::uint8_t { fresh, awake, asleep, gone };
+  enum class State : std::uint8_t { fresh, awake, asleep, gone };
 
   // Returns what `work` returns. When `work` throws Unsound, returns an error instead: what was read from scratch has
   // sound checksums, but cannot be worked with. It is removed, so that no tile begins from it again.
@@ -114,13 +114,13 @@ class TileLife {
   std::shared_ptr<const RoutingTable> table_;
   std::unique_ptr<TileProgram> program_;
   std::vector<TileId> reborn_;  // since the last step; a tile may be in it twice
-  Phase phase_ = Phase::fresh;
+  State state_ = State::fresh;
   // The tile is to call itself to a step, by an empty update: to its first step, and to one after a loss.
   bool call_ = false;
   bool imaged_ = false;     // the image on scratch is the tile's present state
   bool handed_ = false;     // the tile was handed over
   bool read_back_ = false;  // what the tile works with comes from scratch
-  Mail mail_;
+  Inbox inbox_;
   std::uint32_t waiting_hops_ = 0;  // longest chain among waiting updates
   std::uint32_t hops_ = 0;
   std::uint64_t updates_sent_ = 0;

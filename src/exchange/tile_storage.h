@@ -36,7 +36,7 @@ class TileStorage {
   // Like write(), read() and remove(), for the image that a tile leaves for the node on which it goes on. All nodes
   // that share a folder read what one of them has written.
   virtual Status hand_over(TileId, std::span<const std::byte>) {
-    return error(Errc::internal, "there is nobody to hand a tile over to");
+    return error(Errc::internal, "a tile cannot be handed over: the nodes share no folder for it");
   }
   virtual Result<Pieces> handed(TileId) { return Pieces{}; }
   virtual Status forget_handed(TileId) { return success(); }

@@ -16,8 +16,8 @@ enum class ShareEvent : std::uint8_t { begun, idle, settled, collected };
 class ToldOnce {
  public:
   // Returns whether the event is to be told now. It counts as told from then on.
-  bool first(ShareEvent word) { return !std::exchange(said_[static_cast<std::size_t>(word)], true); }
-  void forget(ShareEvent word) { said_[static_cast<std::size_t>(word)] = false; }
+  bool mark_told(ShareEvent event) { return !std::exchange(said_[static_cast<std::size_t>(event)], true); }
+  void forget(ShareEvent event) { said_[static_cast<std::size_t>(event)] = false; }
   void forget_all() { said_ = {}; }
 
  private:

@@ -57,7 +57,7 @@ ColumnNames find_columns(std::span<const std::string> names) {
 
 std::string too_few_columns(std::size_t there, const ColumnNames& names) {
   if (there >= names.end) return "";
-  return "has " + std::to_string(there) + (there == 1 ? " column" : " columns") + ", and " + option("columns") +
+  return "has " + std::to_string(there) + (there == 1 ? " column" : " columns") + ", but " + option("columns") +
          " names " + std::to_string(names.end);
 }
 

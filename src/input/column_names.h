@@ -27,7 +27,7 @@ struct ColumnNames {
 // Returns what the names mean. REQUIRES: check_columns() accepts the names, and there are some.
 ColumnNames find_columns(std::span<const std::string> names);
 
-// Returns "has 3 columns, and option columns names 4". Empty when `there` columns are enough.
+// Returns "has 3 columns, but option columns names 4". Empty when `there` columns are enough.
 std::string too_few_columns(std::size_t there, const ColumnNames& names);
 
 }  // namespace tessera

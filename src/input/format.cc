@@ -92,8 +92,8 @@ Error unknown_format(const std::filesystem::path& path) {
   return error(
       Errc::bad_input,
       path.string() +
-          ": unknown format: neither LAS, PLY, OFF, OBJ, STL, NumPy, gzip nor Zstandard by its first bytes, nor "
-          "text by its name (" +
+          ": unknown format: its first bytes are not those of LAS, PLY, OFF, OBJ, STL, NumPy, gzip or Zstandard, and "
+          "its name does not end like that of a text (" +
           listed_endings(FileFormat::text) + ")");
 }
 

@@ -242,7 +242,7 @@ void add_work(Lines& lines, const Json& result) {
     if (!seconds.contains(row.name)) continue;
     const auto took_s = seconds.at(row.name).get<double>();
     all += took_s;
-    phases += std::string(phases.empty() ? "" : ", ") + row.words + " " + human_seconds(took_s);
+    phases += std::string(phases.empty() ? "" : ", ") + row.label + " " + human_seconds(took_s);
   }
   if (!phases.empty()) lines.add("time", human_seconds(all) + " (" + phases + ")");
   const auto& figures = result.at("figures");

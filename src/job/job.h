@@ -21,8 +21,9 @@ namespace tessera {
 using OpenCloud = std::function<Result<Cloud>(JobOptions& options, const std::stop_token& stop)>;
 
 // Makes the result, or continues the run in `folder`. Returns nothing when the result was complete already. After an
-// error the caller decides what stays: folder.abandon(), or folder.interrupted() if the error is `interrupted`. Several
-// jobs may run at once on one engine, each in its own folder and with its own threads and memory.
+// error the caller decides what stays: folder.abandon(), or folder.abandon_unless_resumable() if the error is
+// `interrupted`. Several jobs may run at once on one engine, each in its own folder and with its own threads and
+// memory.
 Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
                                           ResultFolder& folder, Progress& progress, const std::stop_token& stop);
 

@@ -63,24 +63,24 @@ Result<Returns> parse_returns(std::string_view text) {
   if (text == "first") return Returns::first;
   if (text == "last") return Returns::last;
   if (text == "single") return Returns::single;
-  return error(Errc::usage, "'" + std::string(text) + "' is none of all, first, last and single");
+  return error(Errc::usage, "'" + std::string(text) + "' is not one of all, first, last and single");
 }
 
 Result<DuplicatePolicy> parse_kept_point(std::string_view text) {
   if (const auto keep = kept_point_of(text)) return *keep;
-  return error(Errc::usage, "'" + std::string(text) + "' is none of first, last, lowest and highest");
+  return error(Errc::usage, "'" + std::string(text) + "' is not one of first, last, lowest and highest");
 }
 
 Result<StoreAs> parse_store_as(std::string_view text) {
   const auto found = std::find(store_as_names.begin(), store_as_names.end(), text);
   if (found != store_as_names.end()) return static_cast<StoreAs>(found - store_as_names.begin());
-  return error(Errc::usage, "'" + std::string(text) + "' is none of auto, cells and points");
+  return error(Errc::usage, "'" + std::string(text) + "' is not one of auto, cells and points");
 }
 
 Status check_flags(const std::vector<std::string>& names) {
   for (const auto& name : names) {
     if (std::find(point_flags.begin(), point_flags.end(), name) == point_flags.end())
-      return error(Errc::usage, "'" + name + "' is none of withheld, synthetic, overlap and key_point");
+      return error(Errc::usage, "'" + name + "' is not one of withheld, synthetic, overlap and key_point");
   }
   return success();
 }

@@ -68,7 +68,7 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
                       {"points_sent", number(e.points.sent)},
                       {"points_received", number(e.points.received)},
                       {"points_inserted", number(e.points.inserted)},
-                      {"points_kept", number(e.points.kept)},
+                      {"points_kept", number(e.points.useful)},
                       {"rounds", number(e.hops)},
                       {"most_received", number(e.most_received)},
                       {"sleeps", number(e.sleeps)},
@@ -95,7 +95,7 @@ JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out
   e.points.sent = figure("points_sent");
   e.points.received = figure("points_received");
   e.points.inserted = figure("points_inserted");
-  e.points.kept = figure("points_kept");
+  e.points.useful = figure("points_kept");
   e.hops = figure("rounds");
   e.most_received = figure("most_received");
   e.sleeps = figure("sleeps");

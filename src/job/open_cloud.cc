@@ -16,7 +16,7 @@ Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& opt
   BOOST_OUTCOME_TRY(cloud, Cloud::open(inputs, options.cloud, std::move(stop)));
   options.cloud.dimension = cloud.options().dimension;
   if (open_dimension && options.cloud.dimension == 2 && options.cloud.crop && std::isfinite(options.cloud.crop->lo.z)) {
-    return error(Errc::usage, option("crop") + ": the files hold x and y alone; give xmin,ymin,xmax,ymax");
+    return error(Errc::usage, option("crop") + ": the files hold only x and y; give xmin,ymin,xmax,ymax");
   }
   return std::move(cloud);
 }

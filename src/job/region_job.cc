@@ -92,7 +92,7 @@ Result<RegionCloud> open_regions(const std::vector<std::string>& inputs, const R
   opened.warnings = cloud.warnings();
   opened.dimension = cloud.options().dimension;
   if (opened.dimension == 2 && (std::isfinite(options.box.lo.z) || std::isfinite(options.box.hi.z)))
-    return error(Errc::usage, option("bbox") + ": the cloud is one of the plane; give xmin,ymin,xmax,ymax");
+    return error(Errc::usage, option("bbox") + ": the cloud has no heights; give xmin,ymin,xmax,ymax");
   BOOST_OUTCOME_TRY(units, CloudUnits::open(std::move(cloud), options.scan, stop));
   opened.points = units->points();
   EqualPoints equal{.keep = options.cloud.keep};

@@ -55,7 +55,7 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
     if (!parent.has_filename()) parent = parent.parent_path();  // "out/"
     parent = parent.parent_path();
     BOOST_OUTCOME_TRY(place, is_folder(parent));
-    if (!place) return refused_by_system(out, "the folder it would stand in does not exist");
+    if (!place) return refused_by_system(out, "the folder around it does not exist");
     return ResultFolder(std::move(out), FolderState::absent, false);
   }
   if (!S_ISDIR(found->st_mode)) return refused_by_system(out, "is not a folder");
@@ -90,13 +90,14 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   }
   if (anything && part_of_run) {
     if (!resume && !overwrite) {
-      return error(Errc::usage, out.string() + ": holds what is left of a run that cannot go on; " +
+      return error(Errc::usage, out.string() + ": holds the rest of a run that cannot be continued; " +
                                     option("overwrite", "true") + " starts again");
     }
     return ResultFolder(std::move(out), FolderState::broken, false);
   }
   if (anything) {
-    return error(Errc::usage, out.string() + ": is not empty and holds no result of ours; choose another folder");
+    return error(Errc::usage,
+                 out.string() + ": is not empty, and does not hold a result of Tessera; choose another folder");
   }
   return ResultFolder(std::move(out), FolderState::empty, false);
 }
@@ -199,7 +200,7 @@ void ResultFolder::remove_unfinished() {
   fs::remove(out_, ignored);  // only when empty
 }
 
-bool ResultFolder::interrupted() {
+bool ResultFolder::abandon_unless_resumable() {
   // If that is unknown, the run stays.
   if (const auto run = has_run(); !run || run.value()) return true;
   abandon();

@@ -67,7 +67,7 @@ class ResultFolder {
   void abandon() noexcept;
   // To be called after an interruption. Returns true when the run can be resumed, or cannot be inspected; else does the
   // same as abandon() and returns false.
-  bool interrupted();
+  bool abandon_unless_resumable();
 
  private:
   ResultFolder(std::filesystem::path out, FolderState state, bool resuming)

@@ -35,8 +35,9 @@ Result<SensorOptions> parse_sensors(const std::string& text, bool files) {
       at = end + 1;
     }
   } else {
-    return error(Errc::usage, "'" + text + "' tells no sensors; there are auto, vertical, fields, scan-angle, " +
-                                  (files ? "track:FILE.csv, " : "") + "point:X,Y,Z;X,Y,Z;...");
+    return error(Errc::usage, "'" + text +
+                                  "' does not say where the sensors are; give auto, vertical, fields, scan-angle, " +
+                                  (files ? "track:FILE.csv or " : "or ") + "point:X,Y,Z;X,Y,Z;...");
   }
   return sensor;
 }
@@ -45,7 +46,7 @@ Result<SurfaceOptions::Bottom> parse_bottom(const std::string& text) {
   if (text == "closed") return SurfaceOptions::Bottom::closed;
   if (text == "open") return SurfaceOptions::Bottom::open;
   if (text == "free") return SurfaceOptions::Bottom::free;
-  return error(Errc::usage, "'" + text + "' is no bottom; there are closed, open and free");
+  return error(Errc::usage, "'" + text + "' is not a kind of bottom; give closed, open or free");
 }
 
 Result<bool> parse_unknown(const std::string& text) {

@@ -10,6 +10,6 @@
 namespace tessera {
 
 // Errors: corrupt when the file has another checksum than `expected`; io when the file cannot be read.
-Status check_sum(const std::filesystem::path& path, std::uint64_t expected, SumOf what = SumOf::bytes);
+Status check_sum(const std::filesystem::path& path, std::uint64_t expected, ChecksumOf what = ChecksumOf::bytes);
 
 }  // namespace tessera

@@ -54,7 +54,8 @@ Result<HeldManifest> hold_manifest(const fs::path& out) {
     BOOST_OUTCOME_TRY(held, try_hold(path));
     if (held) return std::move(*held);
   }
-  return error(Errc::io, path.string() + ": is replaced again and again");
+  return error(Errc::io,
+               path.string() + ": other programs replace this file again and again, so that it cannot be read");
 }
 
 }  // namespace tessera::result

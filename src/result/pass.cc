@@ -81,7 +81,7 @@ std::uint64_t Pass::scratch_bytes() const {
   return bytes;
 }
 
-Status Pass::run(const Compute& compute, const Take& take) {
+Status Pass::run(const Compute& compute, const Consumer& take) {
   constexpr double computing_part = 0.6;
   BOOST_OUTCOME_TRYV(make_directories(pass_values_file(scratch_, {}).parent_path()));
   BOOST_OUTCOME_TRYV(make_directories(pass_sent_file(scratch_, {}).parent_path()));
@@ -190,7 +190,7 @@ Status Pass::fill_foreign(std::size_t index, PassValues& values) const {
   if (foreign.empty()) return success();
   const auto path = pass_sent_file(scratch_, source_.entry(index).tile);
   BOOST_OUTCOME_TRY(there, is_there(path));
-  if (!there) return contradiction(source_, index, foreign.front().first, "is no vertex of the tile that owns it");
+  if (!there) return contradiction(source_, index, foreign.front().first, "is missing in the tile that owns it");
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
   const std::size_t record = sizeof(PointId) + row_bytes();
   std::vector<std::byte> buffer(record * 4096);
@@ -202,7 +202,8 @@ Status Pass::fill_foreign(std::size_t index, PassValues& values) const {
       std::memcpy(&id, &buffer[at], sizeof id);
       const auto found = std::lower_bound(foreign.begin(), foreign.end(), std::pair(id, std::size_t{0}));
       if (found == foreign.end() || found->first != id)
-        return contradiction(source_, index, id, "is missing, though its tile has a cell that belongs here");
+        return contradiction(source_, index, id,
+                             "is missing, though its tile has a cell that belongs in this tile, too");
       filled[static_cast<std::size_t>(found - foreign.begin())] = 1;
       std::size_t from = at + sizeof id;
       for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -217,7 +218,7 @@ Status Pass::fill_foreign(std::size_t index, PassValues& values) const {
   const auto missing = std::find(filled.begin(), filled.end(), 0);
   if (missing == filled.end()) return success();
   return contradiction(source_, index, foreign[static_cast<std::size_t>(missing - filled.begin())].first,
-                       "is no vertex of the tile that owns it");
+                       "is missing in the tile that owns it");
 }
 
 }  // namespace tessera

@@ -55,11 +55,11 @@ class Pass {
   // but no attributes.
   using Compute = std::function<Result<PassValues>(std::size_t index, const StoredTile& tile)>;
   // Receives the values of a tile, those of foreign vertices included. Called by several threads, once for each tile.
-  using Take = std::function<Status(std::size_t index, const PassValues& values)>;
+  using Consumer = std::function<Status(std::size_t index, const PassValues& values)>;
   // The most bytes that run() writes into the scratch folder.
   std::uint64_t scratch_bytes() const;
   // Errors: those of reading and of the two functions; corrupt when tiles contradict each other; io; interrupted.
-  Status run(const Compute& compute, const Take& take);
+  Status run(const Compute& compute, const Consumer& take);
 
  private:
   Status on_tiles(double from, double to, double tile_factor, const std::function<Status(std::size_t)>& work);

@@ -40,8 +40,8 @@ std::string difference(const Manifest& manifest, const TileEntry& entry, const S
       (with_cells && (mesh.cell_ghost.size() != entry.cells || count_zeros(mesh.cell_ghost) != entry.main_cells)))
     return other_numbers;
   if (with_cells && entry.cells > 0 && mesh.neighbors.empty() == manifest.neighbors)
-    return manifest.neighbors ? "has no neighbours, though the manifest says so"
-                              : "has neighbours, though the manifest says it has none";
+    return manifest.neighbors ? "has no neighbours, though the manifest says that it has"
+                              : "has neighbours, though the manifest says that it has none";
   if (tile.schema != manifest.schema) return other_attributes;
   if (tile.cell_schema != cell_schema_of(manifest)) return other_cell_columns;
   return {};
@@ -83,7 +83,7 @@ std::uint64_t TileSource::work_bytes(std::size_t i) const {
   if (tile.kind == TileKind::cells) return tile.bytes;
   const std::uint64_t corners = static_cast<std::uint64_t>(manifest().dimension) + 1;
   const std::uint64_t cells = tile.cells + tile.cells / 8;  // and cells of foreign vertices alone
-  return cells * (sizeof(CellRow) + 9 + 8 * corners) + tile.points * (96 + row_bytes(manifest().schema)) +
+  return cells * (sizeof(CellRecord) + 9 + 8 * corners) + tile.points * (96 + row_bytes(manifest().schema)) +
          tile.cells * row_bytes(cell_schema_of(manifest()));
 }
 
@@ -102,7 +102,7 @@ std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t 
 }  // namespace
 
 // Small blocks can claim many points and cells. So the numbers are compared with the manifest before memory is taken.
-Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsParts& parts) const {
+Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsFields& fields) const {
   BOOST_OUTCOME_TRY(head, read_points_head(file(i), entry(i).tile));
   const TileEntry& tile = entry(i);
   const char* found =
@@ -113,16 +113,17 @@ Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsParts& 
       : head.cell_schema() != cell_schema_of(manifest()) ? other_cell_columns
                                                          : nullptr;
   if (found != nullptr) return error(Errc::corrupt, file(i).string() + ": " + found);
-  return read_points_file(file(i), tile.tile, parts);
+  return read_points_file(file(i), tile.tile, fields);
 }
 
 // In the file, foreign vertices are in the order that suits a kernel; in the mesh they are sorted by id.
-Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts) const {
+Result<StoredTile> TileSource::read_points(std::size_t i, const TileFields& fields) const {
   const auto path = file(i);
-  BOOST_OUTCOME_TRY(tile, read_as_points(i, {.rows = parts.rows, .cell_columns = parts.cells && parts.cell_columns}));
+  BOOST_OUTCOME_TRY(tile,
+                    read_as_points(i, {.rows = fields.rows, .cell_columns = fields.cells && fields.cell_columns}));
   const std::size_t n = tile.points.size(), own = tile.own;
   std::vector<std::uint32_t> from;  // by index in the mesh
-  if (parts.rows || !parts.cells) {
+  if (fields.rows || !fields.cells) {
     from.resize(own);
     std::iota(from.begin(), from.end(), 0u);
     for (const std::uint32_t k : by_id(std::span(tile.ids).subspan(own)))
@@ -132,9 +133,9 @@ Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts
   stored.schema = std::move(tile.schema);
   stored.cell_schema = std::move(tile.cell_schema);
   stored.cell_columns = std::move(tile.cell_columns);
-  if (parts.rows) stored.rows = permuted(tile.rows, row_bytes(stored.schema), from);
+  if (fields.rows) stored.rows = permuted(tile.rows, row_bytes(stored.schema), from);
   TileMesh& mesh = stored.mesh;
-  if (parts.cells) {
+  if (fields.cells) {
     auto rebuilt = rebuild({.dimension = tile.dimension,
                             .self = tile.tile,
                             .own = own,
@@ -158,15 +159,15 @@ Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts
   return stored;
 }
 
-Result<StoredTile> TileSource::read(std::size_t i, const TileParts& parts) const {
+Result<StoredTile> TileSource::read(std::size_t i, const TileFields& fields) const {
   const auto path = file(i);
   const bool of_points = entry(i).kind == TileKind::points;
-  BOOST_OUTCOME_TRY(tile, of_points ? read_points(i, parts) : store::read_tile(path, entry(i).tile, parts));
+  BOOST_OUTCOME_TRY(tile, of_points ? read_points(i, fields) : store::read_tile(path, entry(i).tile, fields));
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   if (bytes != entry(i).bytes)
-    return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, the manifest says " +
+    return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but the manifest says " +
                                     std::to_string(entry(i).bytes));
-  if (const auto found = difference(manifest(), entry(i), tile, parts.cells); !found.empty())
+  if (const auto found = difference(manifest(), entry(i), tile, fields.cells); !found.empty())
     return error(Errc::corrupt, path.string() + ": " + found);
   return std::move(tile);
 }
@@ -175,7 +176,7 @@ Result<std::vector<PointId>> TileSource::read_own_ids(std::size_t i) const {
   BOOST_OUTCOME_TRY(ids, entry(i).kind == TileKind::points ? read_own_point_ids(file(i), entry(i).tile)
                                                            : store::read_own_ids(file(i), entry(i).tile));
   if (ids.size() != entry(i).own_points)
-    return error(Errc::corrupt, file(i).string() + ": holds other numbers of vertices than the manifest says");
+    return error(Errc::corrupt, file(i).string() + ": holds another number of vertices than the manifest says");
   return std::move(ids);
 }
 

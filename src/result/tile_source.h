@@ -48,15 +48,15 @@ class TileSource {
   // Reads a tile, checks every array, and compares the tile with its entry in the manifest. The cells of a tile that is
   // kept as points are rebuilt (src/tiling/tile/rebuild.h). Errors: corrupt, with file and array; io; memory when a
   // kernel cannot number the tile's points.
-  Result<StoredTile> read(std::size_t i, const TileParts& parts) const;
+  Result<StoredTile> read(std::size_t i, const TileFields& fields) const;
   // Reads the file of a tile that is kept as points, without rebuilding cells. REQUIRES: the tile is kept as points.
   // Errors: as read().
-  Result<PointsTile> read_as_points(std::size_t i, const PointsParts& parts) const;
+  Result<PointsTile> read_as_points(std::size_t i, const PointsFields& fields) const;
   // Reads only the source indices of the tile's own vertices, in the file's order. Errors: as read().
   Result<std::vector<PointId>> read_own_ids(std::size_t i) const;
 
  private:
-  Result<StoredTile> read_points(std::size_t i, const TileParts& parts) const;
+  Result<StoredTile> read_points(std::size_t i, const TileFields& fields) const;
   struct Inside {
     std::filesystem::path folder;
     Manifest manifest;

@@ -45,7 +45,10 @@ fs::path place_of(std::string name) {
 }  // namespace
 
 StagingFolder::StagingFolder(fs::path area, std::uint64_t term, StillOurs still_ours)
-    : area_(std::move(area)), term_(term), still_ours_(std::move(still_ours)), desk_(desk_folder(area_, term)) {}
+    : area_(std::move(area)),
+      term_(term),
+      still_ours_(std::move(still_ours)),
+      desk_(staging_folder_path(area_, term)) {}
 
 StagingFolder::~StagingFolder() {
   ::rmdir(desk_.c_str());  // fails while a file is under way: a successor puts it back
@@ -58,7 +61,7 @@ Result<std::unique_ptr<StagingFolder>> StagingFolder::lay(fs::path area, std::ui
   BOOST_OUTCOME_TRYV(desk->still_ours_());
   BOOST_OUTCOME_TRY(names, sorted_names(desk->area_));
   for (const auto& name : names) {
-    const auto other = term_of_desk(name);
+    const auto other = term_of_staging_folder(name);
     if (!other || *other >= term) continue;
     BOOST_OUTCOME_TRYV(desk->clear(desk->area_ / name));
   }

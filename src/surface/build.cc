@@ -138,18 +138,18 @@ Status gather(const TileSource& source, const fs::path& run, Built& built, Trian
               Manifold& manifold) {
   BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));
   const std::uint64_t seal = seal_of_plan(plan);
-  const auto kept = [&]<class What>(Kept kind, std::size_t i, What what) -> Result<What> {
+  const auto kept = [&]<class What>(StepOutput kind, std::size_t i, What what) -> Result<What> {
     const TileId tile = source.entry(i).tile;
     BOOST_OUTCOME_TRY(bytes, read_kept(run, seal, kind, tile));
     if (!read(bytes, what)) return damaged(tile, "state");
     return what;
   };
   for (std::size_t i = 0; i < source.tiles(); ++i) {
-    BOOST_OUTCOME_TRY(rays, kept(Kept::ray_counts, i, RayCounts()));
+    BOOST_OUTCOME_TRY(rays, kept(StepOutput::ray_counts, i, RayCounts()));
     built.rays += rays;
-    BOOST_OUTCOME_TRY(sides, kept(Kept::arcs, i, KeptSides()));
+    BOOST_OUTCOME_TRY(sides, kept(StepOutput::arcs, i, KeptSides()));
     built.undecided += sides.undecided;
-    BOOST_OUTCOME_TRY(tile, kept(Kept::triangles, i, KeptTriangles()));
+    BOOST_OUTCOME_TRY(tile, kept(StepOutput::triangles, i, KeptTriangles()));
     built.outside += tile.outside;
     manifold.add(std::move(tile.splits));
     if (tile.entry.empty()) continue;
@@ -157,7 +157,7 @@ Status gather(const TileSource& source, const fs::path& run, Built& built, Trian
     if (!entry) return damaged(source.entry(i).tile, "state");
     triangles.add(*entry);
   }
-  BOOST_OUTCOME_TRY(sigma, kept(Kept::scales, 0, double()));
+  BOOST_OUTCOME_TRY(sigma, kept(StepOutput::scales, 0, double()));
   built.sigma = sigma;
   return success();
 }
@@ -174,8 +174,8 @@ Result<Built> build(const TileSource& source, const SurfaceOptions& options, con
   }
   const double steps_part = options.smooth > 0 ? 0.8 : 1;
   const auto tell = [&](double begin, double end) {
-    return [&progress, begin, end](double part) {
-      if (progress) progress(begin + (end - begin) * part);
+    return [&progress, begin, end](double fraction) {
+      if (progress) progress(begin + (end - begin) * fraction);
     };
   };
   const bool together = source.tiles() > 1 && manifest.cells <= runner.bytes_of_one() / bytes_a_cell;

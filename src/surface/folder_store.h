@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "src/delaunay/run/result_stages.h"
-#include "src/surface/shelf.h"
 #include "src/surface/step_store.h"
+#include "src/surface/working_tiles.h"
 
 namespace tessera::surface {
 
@@ -20,8 +20,8 @@ class FolderStore final : public StepStore {
 
   Result<std::unique_ptr<SurfaceTile>> take(TileId tile) override;
   Status give_back(std::unique_ptr<SurfaceTile> tile) override;
-  Status write(Kept what, TileId tile, std::span<const std::byte> bytes) override;
-  Result<Bytes> read(Kept what, TileId tile) override;
+  Status write(StepOutput what, TileId tile, std::span<const std::byte> bytes) override;
+  Result<Bytes> read(StepOutput what, TileId tile) override;
   Result<Bytes> keep_triangles(TileId tile, const StoredTile& triangles) override;
 
  private:
@@ -32,12 +32,12 @@ class FolderStore final : public StepStore {
   std::uint64_t seal_;
   NodeId node_;
   std::stop_token stop_;
-  Shelf shelf_;
+  WorkingTiles tiles_;
 };
 
 // Reads what was kept of a tile in a run, to finish the surface. Errors: io, corrupt.
-Result<Bytes> read_kept(const std::filesystem::path& run, std::uint64_t seal, Kept what, TileId tile);
+Result<Bytes> read_kept(const std::filesystem::path& run, std::uint64_t seal, StepOutput what, TileId tile);
 // Returns the tiles of which `what` was kept.
-Result<std::vector<TileId>> tiles_kept(const std::filesystem::path& run, Kept what);
+Result<std::vector<TileId>> tiles_kept(const std::filesystem::path& run, StepOutput what);
 
 }  // namespace tessera::surface

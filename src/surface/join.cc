@@ -20,7 +20,7 @@ struct Side {
 
 // By region and name: the other side of the border.
 using Sides = std::vector<std::vector<Side>>;
-Result<Sides> match(const std::vector<RegionKernel>& regions,
+Result<Sides> match(const std::vector<ReducedRegion>& regions,
                     const std::function<std::optional<std::uint32_t>(TileId)>& region_of) {
   std::vector<Side> sides;
   Sides others(regions.size());
@@ -48,7 +48,7 @@ Result<Sides> match(const std::vector<RegionKernel>& regions,
 
 class Joining {
  public:
-  Joining(std::vector<RegionKernel>& regions, Sides others) : regions_(regions), others_(std::move(others)) {}
+  Joining(std::vector<ReducedRegion>& regions, Sides others) : regions_(regions), others_(std::move(others)) {}
 
   Result<JoinedRegion> run() {
     for (std::size_t r = 0; r < regions_.size(); ++r) {
@@ -56,7 +56,8 @@ class Joining {
       number_names(r);
       out_.first.push_back(static_cast<std::uint32_t>(cells_));
       cells_ += regions_[r].kernel.graph.cells();
-      if (cells_ > cut::cells_max) return error(Errc::memory, "more cells are undecided than fit into one cut");
+      if (cells_ > cut::cells_max)
+        return error(Errc::memory, "the tiles leave more cells undecided than fit into one cut");
       number_arcs(r);
     }
     cut::CutGraph& graph = out_.region.graph;
@@ -80,7 +81,7 @@ class Joining {
 
   // Numbers the names of borders of the joined region.
   void number_names(std::size_t r) {
-    const RegionKernel& region = regions_[r];
+    const ReducedRegion& region = regions_[r];
     auto& number = name_of_.emplace_back(region.names.size(), nothing);
     for (std::size_t n = 0; n < region.names.size(); ++n) {
       if (others_[r][n].region != nothing) continue;
@@ -92,14 +93,14 @@ class Joining {
 
   // Numbers the arcs of borders in the joined region, by name.
   void number_arcs(std::size_t r) {
-    const cut::CutKernel& kernel = regions_[r].kernel;
+    const cut::ReducedGraph& kernel = regions_[r].kernel;
     auto& arcs = arc_of_.emplace_back(regions_[r].names.size(), cut::no_arc);
     for (std::size_t i = 0; i < kernel.borders.size(); ++i)
       arcs[kernel.borders[i]] = 4 * out_.first[r] + kernel.graph.borders[i].arc;
   }
 
   void add(std::size_t r) {
-    cut::CutKernel& kernel = regions_[r].kernel;
+    cut::ReducedGraph& kernel = regions_[r].kernel;
     cut::CutGraph& graph = kernel.graph;
     cut::CutGraph& whole = out_.region.graph;
     whole.excess.insert(whole.excess.end(), graph.excess.begin(), graph.excess.end());
@@ -118,7 +119,7 @@ class Joining {
   }
 
   void add_border(std::size_t r, std::uint32_t border) {
-    const cut::CutKernel& kernel = regions_[r].kernel;
+    const cut::ReducedGraph& kernel = regions_[r].kernel;
     cut::CutGraph& whole = out_.region.graph;
     const std::uint32_t name = kernel.borders[border];
     const Side& other = others_[r][name];
@@ -131,7 +132,7 @@ class Joining {
     out_.region.borders.push_back(name_of_[r][name]);
   }
 
-  std::vector<RegionKernel>& regions_;
+  std::vector<ReducedRegion>& regions_;
   Sides others_;
   std::vector<std::vector<std::uint32_t>> name_of_;  // by region and name: the name in the joined region, or nothing
   // likewise: the arc in the joined region; no_arc where the cell is decided
@@ -142,7 +143,7 @@ class Joining {
 
 }  // namespace
 
-Result<JoinedRegion> join(std::vector<RegionKernel>& regions,
+Result<JoinedRegion> join(std::vector<ReducedRegion>& regions,
                           const std::function<std::optional<std::uint32_t>(TileId)>& region_of) {
   BOOST_OUTCOME_TRY(others, match(regions, region_of));
   return Joining(regions, std::move(others)).run();

@@ -12,15 +12,15 @@ namespace tessera::surface {
 
 namespace {
 
-constexpr Step first_step = Step::groups;
-unsigned level_of(Step step) { return static_cast<unsigned>(step) - static_cast<unsigned>(first_step) + 1; }
-Kept sides_of_level(unsigned level) {
-  return kept_of(static_cast<Step>(static_cast<unsigned>(first_step) + level - 1));
+constexpr SurfaceStageId first_step = SurfaceStageId::groups;
+unsigned level_of(SurfaceStageId step) { return static_cast<unsigned>(step) - static_cast<unsigned>(first_step) + 1; }
+StepOutput sides_of_level(unsigned level) {
+  return output_of(static_cast<SurfaceStageId>(static_cast<unsigned>(first_step) + level - 1));
 }
 // Returns the kind of what groups of a level have left; level 0: tiles.
-Kept kernel_of_level(unsigned level) {
-  static_assert(static_cast<unsigned>(Kept::district_kernel) == static_cast<unsigned>(Kept::kernel) + 2);
-  return static_cast<Kept>(static_cast<unsigned>(Kept::kernel) + level);
+StepOutput kernel_of_level(unsigned level) {
+  static_assert(static_cast<unsigned>(StepOutput::district_kernel) == static_cast<unsigned>(StepOutput::kernel) + 2);
+  return static_cast<StepOutput>(static_cast<unsigned>(StepOutput::kernel) + level);
 }
 
 std::optional<std::size_t> number_of(const StepInput& input, TileId tile) {
@@ -36,10 +36,10 @@ Result<Bytes> JoinWork::end(TileId self, const PieceInbox&) const {
   const unsigned level = level_of(step_);
   const std::size_t first = *number_of(input(), self);
   if (groups.first_of(first, level) != first) return Bytes();
-  std::vector<RegionKernel> regions;
+  std::vector<ReducedRegion> regions;
   for (std::size_t i = 0; i < groups.members(first, level); ++i) {
     const TileId tile = input().tiles[groups.member(first, level, i)];
-    BOOST_OUTCOME_TRY(region, kept<RegionKernel>(kernel_of_level(level - 1), tile));
+    BOOST_OUTCOME_TRY(region, kept<ReducedRegion>(kernel_of_level(level - 1), tile));
     regions.push_back(std::move(region));
   }
   const auto region_of = [&](TileId tile) -> std::optional<std::uint32_t> {
@@ -51,11 +51,11 @@ Result<Bytes> JoinWork::end(TileId self, const PieceInbox&) const {
   regions.clear();
   throw_if_stopped(input().stop);
   const std::uint32_t cells = joined.region.graph.cells();
-  if (step_ == Step::cut && !joined.region.names.empty())
+  if (step_ == SurfaceStageId::cut && !joined.region.names.empty())
     return error(Errc::corrupt, "a tile has a border towards tile " + to_string(joined.region.names.front().to) +
-                                    ", which is not there");
+                                    ", which is missing");
   BOOST_OUTCOME_TRY(kernel, kernel_of(std::move(joined.region), options().prove));
-  if (step_ != Step::cut) {
+  if (step_ != SurfaceStageId::cut) {
     BOOST_OUTCOME_TRYV(store().write(kernel_of_level(level), self, bytes_of(kernel)));
   }
   return bytes_of(KeptGroup{cells, std::move(joined.first), std::move(kernel.sources), std::move(kernel.open)});

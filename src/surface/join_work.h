@@ -13,13 +13,13 @@ namespace tessera::surface {
 class JoinWork final : public KeptWork {
  public:
   // `step`: groups, districts or cut.
-  JoinWork(std::shared_ptr<const StepInput> input, StepStore& store, Step step)
+  JoinWork(std::shared_ptr<const StepInput> input, StepStore& store, SurfaceStageId step)
       : KeptWork(std::move(input), store), step_(step) {}
   Status tell(TileId, PieceOutbox&) const override { return success(); }
   Result<Bytes> end(TileId self, const PieceInbox& told) const override;
 
  private:
-  Step step_;
+  SurfaceStageId step_;
 };
 
 // Valid after the step cut. Returns which of the cells that a tile could not decide alone are on the source's side, in

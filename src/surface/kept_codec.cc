@@ -57,7 +57,7 @@ bool read(std::span<const std::byte> bytes, KeptSides& sides) {
   return in.value(sides.undecided) && get(in, sides.sources) && get(in, sides.open) && in.at_end();
 }
 
-Bytes bytes_of(const RegionKernel& region) {
+Bytes bytes_of(const ReducedRegion& region) {
   FlatWriter out;
   const cut::CutGraph& graph = region.kernel.graph;
   out.list(graph.excess);
@@ -70,7 +70,7 @@ Bytes bytes_of(const RegionKernel& region) {
   return out.take();
 }
 
-bool read(std::span<const std::byte> bytes, RegionKernel& region) {
+bool read(std::span<const std::byte> bytes, ReducedRegion& region) {
   FlatReader in(bytes);
   cut::CutGraph& graph = region.kernel.graph;
   return in.list(graph.excess) && in.list(graph.capacity) && in.list(graph.back) && in.list(graph.borders) &&

@@ -45,8 +45,8 @@ Bytes bytes_of(const KeptSides& sides);
 bool read(std::span<const std::byte> bytes, KeptSides& sides);
 
 // What a tile has not decided: a region's kernel, without `sources` and `open`.
-Bytes bytes_of(const RegionKernel& kernel);
-bool read(std::span<const std::byte> bytes, RegionKernel& kernel);
+Bytes bytes_of(const ReducedRegion& kernel);
+bool read(std::span<const std::byte> bytes, ReducedRegion& kernel);
 
 // What a group has decided (groups.h); kept at its first tile.
 struct KeptGroup {

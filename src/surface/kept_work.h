@@ -23,14 +23,14 @@ class KeptWork : public StepWork {
   bool is_first(TileId tile) const { return tile == input_->tiles.front(); }
   // Returns what was kept of a tile. Error corrupt when the bytes are something else.
   template <class What>
-  Result<What> kept(Kept kind, TileId tile) const {
+  Result<What> kept(StepOutput kind, TileId tile) const {
     throw_if_stopped(input_->stop);
     BOOST_OUTCOME_TRY(bytes, store_.read(kind, tile));
     What what;
     if (!read(bytes, what)) return damaged(tile, "state");
     return what;
   }
-  Result<PieceInbox> kept_mail(Kept kind, TileId tile) const {
+  Result<PieceInbox> kept_mail(StepOutput kind, TileId tile) const {
     BOOST_OUTCOME_TRY(bytes, store_.read(kind, tile));
     PieceInbox mail;
     if (!mail.load(bytes)) return damaged(tile, "mail");

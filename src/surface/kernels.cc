@@ -22,7 +22,7 @@ Result<cut::CellSet> solve(cut::CutGraph& graph, bool prove) {
 
 }  // namespace
 
-Result<RegionKernel> kernel_of(Region region, bool prove) {
+Result<ReducedRegion> kernel_of(CutRegion region, bool prove) {
   cut::CutGraph& graph = region.graph;
   BOOST_OUTCOME_TRY(flown, solve(graph, prove));
   std::vector<cut::Decided> decided;
@@ -36,7 +36,7 @@ Result<RegionKernel> kernel_of(Region region, bool prove) {
     BOOST_OUTCOME_TRY(no_sinks, solve(most, prove));
     decided = cut::decided_by(sources, no_sinks, graph.cells());
   }
-  RegionKernel out;
+  ReducedRegion out;
   out.kernel = cut::kernel_of(graph, decided);
   for (std::uint32_t& border : out.kernel.borders) border = region.borders[border];
   out.names = std::move(region.names);
@@ -52,9 +52,9 @@ Result<RegionKernel> kernel_of(Region region, bool prove) {
   return out;
 }
 
-RegionKernel all_of(Region region) {
+ReducedRegion all_of(CutRegion region) {
   const std::uint32_t cells = region.graph.cells();
-  RegionKernel out;
+  ReducedRegion out;
   out.kernel.cells.resize(cells);
   std::iota(out.kernel.cells.begin(), out.kernel.cells.end(), std::uint32_t{0});
   out.kernel.graph = std::move(region.graph);

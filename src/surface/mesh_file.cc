@@ -74,7 +74,7 @@ Status MeshFile::read_head() {
   BOOST_OUTCOME_TRY(header, read_ply_header(*source_));
   const PlyElement *vertex = find(header, "vertex"), *face = find(header, "face");
   const auto wanted = [&](const char* what) {
-    return bad(std::string("is no surface that can be checked: it has no ") + what);
+    return bad(std::string("is not a surface that can be checked: it has no ") + what);
   };
   if (header.format != PlyFormat::binary_little_endian || header.elements.size() != 2 || face != &header.elements[1])
     return wanted("vertices and then faces in binary, little endian");
@@ -157,7 +157,7 @@ Status MeshFile::for_each_triangle(const std::function<Status(const std::array<P
   return for_each_record(triangles_at_, triangles_, triangle_bytes_,
                          [&](const std::byte* record, auto number) -> Status {
                            if (std::to_integer<unsigned>(record[0]) != 3)
-                             return bad("face " + std::to_string(number) + " is no triangle");
+                             return bad("face " + std::to_string(number) + " is not a triangle");
                            std::array<PointId, 3> corners;
                            for (std::size_t k = 0; k < 3; ++k) {
                              const auto corner = value_at<std::uint32_t>(record + 1 + 4 * k);

@@ -31,7 +31,7 @@ Status RaysProgram::cast() {
   BOOST_OUTCOME_TRY(median, sigma_of(*input_, store_));
   std::vector<double> scales;
   if (input_->options.energy.sigma == 0) {
-    BOOST_OUTCOME_TRY(bytes, store_.read(Kept::own_scales, self_));
+    BOOST_OUTCOME_TRY(bytes, store_.read(StepOutput::own_scales, self_));
     FlatReader in(bytes);
     if (!in.list(scales) || scales.size() != static_cast<std::size_t>(tile_->own_vertices()))
       return damaged(self_, "scales");
@@ -65,7 +65,8 @@ void RaysProgram::send(RayCaster& caster) {
 }
 
 Status RaysProgram::take(TileId, bool, Message message) {
-  if (message.size() % sizeof(RayRecord) != 0) return error(Errc::internal, "a message is no rays");
+  if (message.size() % sizeof(RayRecord) != 0)
+    return error(Errc::internal, "a message between tiles is not a list of rays");
   FlatReader in(message);
   RayRecord ray;
   while (in.value(ray))
@@ -167,9 +168,9 @@ Status RaysProgram::begin_settled(Message settled) {
 
 Result<std::unique_ptr<Finished>> RaysProgram::finish() {
   BOOST_OUTCOME_TRYV(put_aside());
-  BOOST_OUTCOME_TRYV(store_.write(Kept::ray_counts, self_, bytes_of(sums_)));
-  return std::unique_ptr<Finished>(
-      std::make_unique<StepEnd>(store_, Kept::rays, self_, bytes_of(KeptRays{sums_, std::exchange(put_aside_, {})})));
+  BOOST_OUTCOME_TRYV(store_.write(StepOutput::ray_counts, self_, bytes_of(sums_)));
+  return std::unique_ptr<Finished>(std::make_unique<StepEnd>(store_, StepOutput::rays, self_,
+                                                             bytes_of(KeptRays{sums_, std::exchange(put_aside_, {})})));
 }
 
 std::size_t RaysProgram::memory() const {

@@ -148,7 +148,8 @@ class Builder {
   Status add(const ArcRecord& record) {
     BOOST_OUTCOME_TRY(cell, tile_.find(record.cell));
     BOOST_OUTCOME_TRY(k, tile_.corner_of(cell, record.opposite));
-    if (!tile_.is_main(cell)) return tile_.corrupt("another tile tells of an arc that is none of its own");
+    if (!tile_.is_main(cell))
+      return tile_.corrupt("another tile has sent an arc of a cell that is not main in this tile");
     if (record.across_tile != tile_.self()) {
       add_border(cell, k, record.across_tile, record.out, record.in);
       return success();
@@ -158,7 +159,8 @@ class Builder {
     std::sort(other.begin(), other.end());
     BOOST_OUTCOME_TRY(across, tile_.find(other));
     BOOST_OUTCOME_TRY(back, tile_.corner_of(across, record.across));
-    if (!tile_.is_main(across)) return tile_.corrupt("another tile tells of an arc to a cell that is not main here");
+    if (!tile_.is_main(across))
+      return tile_.corrupt("another tile has sent an arc to a cell that is not main in this tile");
     const cut::Arc arc = arc_of(cell, k);
     region_.graph.capacity[arc] = record.out;
     region_.graph.back[arc] = arc_of(across, back);
@@ -167,7 +169,7 @@ class Builder {
 
   // To get the greatest source set, source and sink change roles: the rest of the smallest source set of that graph is
   // the greatest set of this one.
-  Result<Region> take() {
+  Result<CutRegion> take() {
     cut::CutGraph& graph = region_.graph;
     if (!rule_.unknown_inside) {
       for (auto& excess : graph.excess) excess = -excess;
@@ -226,13 +228,13 @@ class Builder {
   const Energy& energy_;
   const CutRule& rule_;
   BigVector<std::uint32_t> number_;  // by cell of the tile: the cell in the graph
-  Region region_;
+  CutRegion region_;
 };
 
 }  // namespace
 
-Result<Region> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule,
-                         std::span<const ArcRecord> arcs) {
+Result<CutRegion> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule,
+                            std::span<const ArcRecord> arcs) {
   Builder builder(tile, energy, rule);
   BOOST_OUTCOME_TRYV(builder.add_own());
   for (const ArcRecord& arc : arcs) {

@@ -44,37 +44,38 @@ struct BorderName {
 };
 
 // Some of the cells: those that are main in a tile, in its order, or those that several tiles have not decided.
-struct Region {
+struct CutRegion {
   cut::CutGraph graph;
   std::vector<BorderName> names;        // of all arcs to other regions, also of cells that are decided
   std::vector<cut::Decided> at_border;  // by name: what was decided of the cell here
   std::vector<std::uint32_t> borders;   // by border of the graph: its name
 };
 // Returns the region of a tile. `arcs`: from other tiles. REQUIRES: all votes have been taken.
-Result<Region> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule, std::span<const ArcRecord> arcs);
+Result<CutRegion> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule,
+                            std::span<const ArcRecord> arcs);
 
 // What is left of a region when it has decided what it can.
-struct RegionKernel {
-  cut::CutKernel kernel;  // its borders refer to the region's names
+struct ReducedRegion {
+  cut::ReducedGraph kernel;  // its borders refer to the region's names
   std::vector<BorderName> names;
   std::vector<cut::Decided> at_border;
   cut::CellSet sources, open;  // of the region's cells: decided to be on the source's side; not decided
 };
 // Decides what the region can decide by itself. `prove`: error internal when the flow of a cut that decides does not
 // prove it.
-Result<RegionKernel> kernel_of(Region region, bool prove);
+Result<ReducedRegion> kernel_of(CutRegion region, bool prove);
 
 // Returns the same for a region that decides nothing by itself.
-RegionKernel all_of(Region region);
+ReducedRegion all_of(CutRegion region);
 
 // What several regions have left, as one region. Borders between these regions are inner arcs.
 struct JoinedRegion {
-  Region region;
+  CutRegion region;
   std::vector<std::uint32_t> first;  // by region: its first cell
 };
 // Joins regions, and forgets their graphs. `region_of`: in which of these regions the cells of a tile are; nothing: in
 // another region. Errors: corrupt when two regions do not name the same borders; memory.
-Result<JoinedRegion> join(std::vector<RegionKernel>& regions,
+Result<JoinedRegion> join(std::vector<ReducedRegion>& regions,
                           const std::function<std::optional<std::uint32_t>(TileId)>& region_of);
 
 }  // namespace tessera::surface

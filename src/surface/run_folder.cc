@@ -40,12 +40,15 @@ Result<RunFolder> RunFolder::claim(fs::path path, bool resume, const LockOptions
       ours = names.empty() || std::any_of(names.begin(), names.end(),
                                           [&](const std::string& name) { return name == plan || is_lock_name(name); });
     }
-    if (!ours) return error(Errc::usage, path.string() + ": is in the way: surfaces are made in a folder of this name");
+    if (!ours)
+      return error(
+          Errc::usage,
+          path.string() + ": is in the way: the surface is made in a folder of this name; rename or remove it");
   }
   const fs::path parent = path.parent_path();
   if (!parent.empty()) {
     BOOST_OUTCOME_TRY(folder, is_folder(parent));
-    if (!folder) return error(Errc::io, parent.string() + ": is not there, or no folder");
+    if (!folder) return error(Errc::io, parent.string() + ": does not exist, or is not a folder");
   }
   BOOST_OUTCOME_TRYV(make_directories(path));
   BOOST_OUTCOME_TRY(lock, FolderLock::take(path, lock_options));

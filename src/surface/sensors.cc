@@ -142,7 +142,7 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
       sensors.used_ = "sensors: straight above each point";
       return sensors;
   }
-  return error(Errc::internal, "there is no such kind of sensors");
+  return error(Errc::internal, "the kind of sensors is not known");
 }
 
 SensorOptions Sensors::found() const {

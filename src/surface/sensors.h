@@ -70,7 +70,7 @@ class Sensors {
   Point read(const std::byte* row) const;
 
   How how_ = How::vertical;
-  std::vector<RowColumn> fields_;  // the columns that how_ needs
+  std::vector<AttributeColumn> fields_;  // the columns that how_ needs
   std::vector<Point> positions_;
   std::shared_ptr<const Track> track_;
   bool else_above_ = false;  // where nothing better is known, sensors are straight above
@@ -88,7 +88,7 @@ class Solidity {
   std::uint32_t vote(const std::byte* row) const;
 
  private:
-  std::optional<RowColumn> number_, count_;
+  std::optional<AttributeColumn> number_, count_;
 };
 
 }  // namespace surface

@@ -14,7 +14,7 @@
 #include "src/base/files/surface_names.h"
 #include "src/base/on_threads.h"
 #include "src/surface/arrays.h"
-#include "src/surface/post.h"
+#include "src/surface/spilling_queue.h"
 
 namespace tessera::surface {
 
@@ -173,7 +173,7 @@ class Smoother {
   }
 
  private:
-  using Mail = Post<PlaceRecord>;
+  using Mail = SpillingQueue<PlaceRecord>;
 
   // Does one step. Messages of one turn are read in the next.
   Status step(unsigned turn) {
@@ -183,7 +183,7 @@ class Smoother {
         if (options_.how.stop.stop_requested()) return error(Errc::interrupted, "interrupted while smoothing");
         BOOST_OUTCOME_TRY(sheet, take(i, turn));
         move(sheet, turn % 2 == 0 ? forth : back);
-        Outgoing<PlaceRecord> out(mail_[(turn + 1) % 2], source_.tiles());
+        SendBuffer<PlaceRecord> out(mail_[(turn + 1) % 2], source_.tiles());
         for (std::size_t k = 0; k < sheet.told.size(); ++k) {
           BOOST_OUTCOME_TRYV(out.add(sheet.to[k], {{sheet.told_ids[k]}, sheet.at[sheet.told[k]]}));
         }
@@ -210,7 +210,7 @@ class Smoother {
     for (const PlaceRecord& record : mail) {
       const auto found = std::ranges::lower_bound(sheet.ids, record.vertex.value);
       if (found == sheet.ids.end() || *found != record.vertex.value)
-        return error(Errc::internal, "a tile is told of a vertex that it does not have");
+        return error(Errc::internal, "a tile has received a position of a vertex that it does not have");
       sheet.at[sheet.foreign[static_cast<std::size_t>(found - sheet.ids.begin())]] = record.at;
     }
     return sheet;

@@ -15,12 +15,12 @@
 
 namespace tessera::surface {
 
-enum class Step : std::uint8_t { scales, rays, sums, arcs, groups, districts, cut, triangles };
+enum class SurfaceStageId : std::uint8_t { scales, rays, sums, arcs, groups, districts, cut, triangles };
 inline constexpr std::uint32_t steps_count = 8;
 
 // What is kept of a tile for later steps: one kind for each step, then further kinds of the steps scales, rays, arcs,
 // groups and districts.
-enum class Kept : std::uint8_t {
+enum class StepOutput : std::uint8_t {
   scales,
   rays,
   sums,
@@ -35,7 +35,7 @@ enum class Kept : std::uint8_t {
   group_kernel,
   district_kernel
 };
-inline constexpr std::uint32_t kept_count = 13;
-constexpr Kept kept_of(Step step) { return static_cast<Kept>(step); }
+inline constexpr std::uint32_t outputs_count = 13;
+constexpr StepOutput output_of(SurfaceStageId step) { return static_cast<StepOutput>(step); }
 
 }  // namespace tessera::surface

@@ -26,7 +26,8 @@ Status StepProgram::begin_settled(Message settled) {
 
 Status StepProgram::take(TileId from, bool, Message message) {
   if (message.empty()) return success();  // the tile's call to itself
-  if (!told_.add(from, std::move(message))) return error(Errc::internal, "a message is no piece of mail");
+  if (!told_.add(from, std::move(message)))
+    return error(Errc::internal, "a message between tiles is not a numbered piece of mail");
   return success();
 }
 
@@ -56,7 +57,7 @@ void StepProgram::free() {
 
 Result<std::unique_ptr<Finished>> StepProgram::finish() {
   BOOST_OUTCOME_TRY(bytes, work_.end(self_, told_));
-  return std::unique_ptr<Finished>(std::make_unique<StepEnd>(store_, kept_of(step_), self_, std::move(bytes)));
+  return std::unique_ptr<Finished>(std::make_unique<StepEnd>(store_, output_of(step_), self_, std::move(bytes)));
 }
 
 std::size_t StepProgram::memory() const {

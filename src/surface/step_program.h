@@ -17,14 +17,14 @@ namespace tessera::surface {
 class StepEnd final : public Finished {
  public:
   // `bytes` are written last: once they are there, the tile has finished the step.
-  StepEnd(StepStore& store, Kept what, TileId tile, Bytes bytes)
+  StepEnd(StepStore& store, StepOutput what, TileId tile, Bytes bytes)
       : store_(store), what_(what), tile_(tile), bytes_(std::move(bytes)) {}
   std::uint64_t bytes() const override { return bytes_.size(); }
   void store(Stored done) override;
 
  private:
   StepStore& store_;
-  Kept what_;
+  StepOutput what_;
   TileId tile_;
   Bytes bytes_;
 };
@@ -42,7 +42,7 @@ class StepWork {
 class StepProgram final : public TileProgram {
  public:
   // `work` and `store` outlive the program.
-  StepProgram(TileId self, const StepWork& work, StepStore& store, Step step)
+  StepProgram(TileId self, const StepWork& work, StepStore& store, SurfaceStageId step)
       : self_(self), work_(work), store_(store), step_(step) {}
 
   Status begin() override { return tell({}); }
@@ -70,7 +70,7 @@ class StepProgram final : public TileProgram {
   TileId self_;
   const StepWork& work_;
   StepStore& store_;
-  Step step_;
+  SurfaceStageId step_;
   PieceInbox told_;
   std::vector<TileId> reborn_;  // ascending
   std::vector<std::pair<TileId, Message>> messages_;

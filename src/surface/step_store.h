@@ -27,9 +27,9 @@ class StepStore {
   virtual Status give_back(std::unique_ptr<SurfaceTile> tile) = 0;
 
   // Keeps bytes of a tile; every node of the job can read them. They are written once, or again with the same content.
-  virtual Status write(Kept what, TileId tile, std::span<const std::byte> bytes) = 0;
+  virtual Status write(StepOutput what, TileId tile, std::span<const std::byte> bytes) = 0;
   // Error corrupt when the bytes are missing, or are not what was written.
-  virtual Result<Bytes> read(Kept what, TileId tile) = 0;
+  virtual Result<Bytes> read(StepOutput what, TileId tile) = 0;
   // Stores a tile of the surface. Returns bytes that describe it, for the end of the job.
   virtual Result<Bytes> keep_triangles(TileId tile, const StoredTile& triangles) = 0;
 };

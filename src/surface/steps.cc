@@ -35,7 +35,7 @@ struct BinRecord {
 enum Kind : std::uint32_t { bins, sums, votes, arcs, labels };
 
 Error not_records(TileId self) {
-  return error(Errc::internal, "tile " + to_string(self) + " was told what no tile says");
+  return error(Errc::internal, "tile " + to_string(self) + " has received a message that is not a list of records");
 }
 
 template <class Record>
@@ -60,7 +60,7 @@ class ScalesWork final : public KeptWork {
       for (const auto& [bin, count] : bins_of(scales)) out.add(input().tiles.front(), bins, BinRecord{bin, 0, count});
     FlatWriter kept;
     kept.list(scales);
-    return store().write(Kept::own_scales, self, kept.take());
+    return store().write(StepOutput::own_scales, self, kept.take());
   }
   Result<Bytes> end(TileId self, const PieceInbox& told) const override {
     FlatWriter out;
@@ -68,7 +68,7 @@ class ScalesWork final : public KeptWork {
       out.value(options().energy.sigma);
       return out.take();
     }
-    BOOST_OUTCOME_TRY(bytes, store().read(Kept::own_scales, self));
+    BOOST_OUTCOME_TRY(bytes, store().read(StepOutput::own_scales, self));
     std::vector<double> scales;
     if (FlatReader in(bytes); !in.list(scales)) return damaged(self, "scales");
     auto counts = bins_of(scales);
@@ -96,7 +96,7 @@ class ScalesWork final : public KeptWork {
       if ((below += count) > all / 2) break;
     }
     if (!(median > 0) || !std::isfinite(median))
-      return error(Errc::usage, "the points are too near to each other, or too far apart, for a scale");
+      return error(Errc::usage, "the points are too near to each other, or too far apart, to find a scale");
     return median;
   }
 };
@@ -105,7 +105,7 @@ class SumsWork final : public KeptWork {
  public:
   using KeptWork::KeptWork;
   Status tell(TileId self, PieceOutbox& out) const override {
-    BOOST_OUTCOME_TRY(rays, kept<KeptRays>(Kept::rays, self));
+    BOOST_OUTCOME_TRY(rays, kept<KeptRays>(StepOutput::rays, self));
     BOOST_OUTCOME_TRY(tile, store().take(self));
     BOOST_OUTCOME_TRYV(tile->put_weights(std::move(rays.weights)));
     give_sums(*tile, adding<SumRecord>(out, sums), adding<VoteRecord>(out, votes));
@@ -119,7 +119,7 @@ class ArcsWork final : public KeptWork {
  public:
   using KeptWork::KeptWork;
   Status tell(TileId self, PieceOutbox& out) const override {
-    BOOST_OUTCOME_TRY(mail, kept_mail(Kept::sums, self));
+    BOOST_OUTCOME_TRY(mail, kept_mail(StepOutput::sums, self));
     BOOST_OUTCOME_TRY(tile, with_sums(self, mail));
     BOOST_OUTCOME_TRYV(give_arcs(*tile, options().energy, options().rule, adding<ArcRecord>(out, arcs),
                                  adding<VoteRecord>(out, votes)));
@@ -127,7 +127,7 @@ class ArcsWork final : public KeptWork {
     return store().give_back(std::move(tile));
   }
   Result<Bytes> end(TileId self, const PieceInbox& told) const override {
-    BOOST_OUTCOME_TRY(mail, kept_mail(Kept::sums, self));
+    BOOST_OUTCOME_TRY(mail, kept_mail(StepOutput::sums, self));
     BOOST_OUTCOME_TRY(tile, with_sums(self, mail));
     BOOST_OUTCOME_TRYV(take_votes(mail, *tile));
     BOOST_OUTCOME_TRYV(take_votes(told, *tile));
@@ -144,14 +144,14 @@ class ArcsWork final : public KeptWork {
   }
 
  private:
-  Result<Bytes> keep(TileId self, RegionKernel kernel) const {
-    BOOST_OUTCOME_TRYV(store().write(Kept::kernel, self, bytes_of(kernel)));
+  Result<Bytes> keep(TileId self, ReducedRegion kernel) const {
+    BOOST_OUTCOME_TRYV(store().write(StepOutput::kernel, self, bytes_of(kernel)));
     return bytes_of(KeptSides{kernel.kernel.cells.size(), std::move(kernel.sources), std::move(kernel.open)});
   }
   // Returns the tile with the arcs that all rays have given to facets that are main here. Its own cells have only the
   // excess of rays that came here; the votes of other tiles are added later.
   Result<std::unique_ptr<SurfaceTile>> with_sums(TileId self, const PieceInbox& mail) const {
-    BOOST_OUTCOME_TRY(rays, kept<KeptRays>(Kept::rays, self));
+    BOOST_OUTCOME_TRY(rays, kept<KeptRays>(StepOutput::rays, self));
     BOOST_OUTCOME_TRY(tile, store().take(self));
     BOOST_OUTCOME_TRYV(tile->put_weights(std::move(rays.weights)));
     give_sums(
@@ -213,7 +213,7 @@ class TrianglesWork final : public KeptWork {
  private:
   // Returns the labels of cells that are main here; other labels are unknown.
   Result<std::vector<Label>> own_labels(const SurfaceTile& tile) const {
-    BOOST_OUTCOME_TRY(alone, kept<KeptSides>(Kept::arcs, tile.self()));
+    BOOST_OUTCOME_TRY(alone, kept<KeptSides>(StepOutput::arcs, tile.self()));
     const bool fits = alone.sources.holds(static_cast<std::size_t>(main_cells(tile))) &&
                       alone.open.holds(static_cast<std::size_t>(main_cells(tile)));
     if (!fits) return damaged(tile.self(), "state");
@@ -235,21 +235,21 @@ class TrianglesWork final : public KeptWork {
   }
 };
 
-std::unique_ptr<const StepWork> work_of(Step step, std::shared_ptr<const StepInput> input, StepStore& store) {
+std::unique_ptr<const StepWork> work_of(SurfaceStageId step, std::shared_ptr<const StepInput> input, StepStore& store) {
   switch (step) {
-    case Step::scales:
+    case SurfaceStageId::scales:
       return std::make_unique<ScalesWork>(std::move(input), store);
-    case Step::sums:
+    case SurfaceStageId::sums:
       return std::make_unique<SumsWork>(std::move(input), store);
-    case Step::arcs:
+    case SurfaceStageId::arcs:
       return std::make_unique<ArcsWork>(std::move(input), store);
-    case Step::groups:
-    case Step::districts:
-    case Step::cut:
+    case SurfaceStageId::groups:
+    case SurfaceStageId::districts:
+    case SurfaceStageId::cut:
       return std::make_unique<JoinWork>(std::move(input), store, step);
-    case Step::triangles:
+    case SurfaceStageId::triangles:
       return std::make_unique<TrianglesWork>(std::move(input), store);
-    case Step::rays:
+    case SurfaceStageId::rays:
       break;
   }
   return nullptr;
@@ -257,7 +257,7 @@ std::unique_ptr<const StepWork> work_of(Step step, std::shared_ptr<const StepInp
 
 class StepPrograms final : public TilePrograms {
  public:
-  StepPrograms(Step step, std::shared_ptr<const StepInput> input, std::shared_ptr<StepStore> store)
+  StepPrograms(SurfaceStageId step, std::shared_ptr<const StepInput> input, std::shared_ptr<StepStore> store)
       : step_(step), input_(std::move(input)), store_(std::move(store)), work_(work_of(step, input_, *store_)) {}
   std::unique_ptr<TileProgram> program_of(TileId tile) const override {
     if (!work_) return std::make_unique<RaysProgram>(tile, input_, *store_);
@@ -265,7 +265,7 @@ class StepPrograms final : public TilePrograms {
   }
 
  private:
-  Step step_;
+  SurfaceStageId step_;
   std::shared_ptr<const StepInput> input_;
   std::shared_ptr<StepStore> store_;
   std::unique_ptr<const StepWork> work_;
@@ -273,14 +273,14 @@ class StepPrograms final : public TilePrograms {
 
 }  // namespace
 
-std::shared_ptr<const TilePrograms> programs_of(Step step, std::shared_ptr<const StepInput> input,
+std::shared_ptr<const TilePrograms> programs_of(SurfaceStageId step, std::shared_ptr<const StepInput> input,
                                                 std::shared_ptr<StepStore> store) {
   return std::make_shared<StepPrograms>(step, std::move(input), std::move(store));
 }
 
 Result<double> sigma_of(const StepInput& input, StepStore& store) {
   const TileId first = input.tiles.front();
-  BOOST_OUTCOME_TRY(bytes, store.read(Kept::scales, first));
+  BOOST_OUTCOME_TRY(bytes, store.read(StepOutput::scales, first));
   double sigma = 0;
   if (!read(bytes, sigma) || !(sigma > 0)) return damaged(first, "scales");
   return sigma;

@@ -35,7 +35,7 @@ struct StepInput {
   std::stop_token stop = {};  // once requested, long work soon throws Stopped
 };
 
-std::shared_ptr<const TilePrograms> programs_of(Step step, std::shared_ptr<const StepInput> input,
+std::shared_ptr<const TilePrograms> programs_of(SurfaceStageId step, std::shared_ptr<const StepInput> input,
                                                 std::shared_ptr<StepStore> store);
 
 // Returns the scale that the step scales has found, or that was given.

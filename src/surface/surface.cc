@@ -86,8 +86,8 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   BOOST_OUTCOME_TRY(run, surface::RunFolder::claim(surface_run_folder(place), options.resume, options.lock));
   constexpr double built_part = 0.9;
   const auto tell = [&](double begin, double end) {
-    return [&options, begin, end](double part) {
-      if (options.progress) options.progress(begin + (end - begin) * part);
+    return [&options, begin, end](double fraction) {
+      if (options.progress) options.progress(begin + (end - begin) * fraction);
     };
   };
   const surface::BuildFolder folder{run.path(), run.lock_file(), options.resume};

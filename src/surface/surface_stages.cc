@@ -38,7 +38,7 @@ SensorOptions sensors_of(const Json& json) {
   SensorOptions sensors;
   const int kind = json.at("kind");
   if (kind < 0 || kind > static_cast<int>(Kind::track))
-    throw Json::other_error::create(501, "no such sensors", nullptr);
+    throw Json::other_error::create(501, "the kind of sensors is not known", nullptr);
   sensors.kind = static_cast<Kind>(kind);
   json.at("else_above").get_to(sensors.else_above);
   for (const Json& at : json.at("positions")) sensors.positions.push_back(point_of(at));
@@ -101,7 +101,7 @@ Result<SurfacePlan> read_plan(std::span<const std::byte> bytes, const std::strin
   try {
     return plan_of(parse_ordered_json(as_text(bytes)));
   } catch (const Json::exception&) {
-    return error(Errc::corrupt, name + ": is not the plan of a surface");
+    return error(Errc::corrupt, name + ": is damaged, or not the plan of a surface");
   }
 }
 
@@ -121,12 +121,12 @@ Result<std::vector<std::shared_ptr<const TilePrograms>>> SurfaceStages::programs
   const auto shared = std::make_shared<const StepInput>(std::move(all));
   std::vector<std::shared_ptr<const TilePrograms>> programs;
   for (std::uint32_t step = 0; step < steps_count; ++step)
-    programs.push_back(programs_of(static_cast<Step>(step), shared, store));
+    programs.push_back(programs_of(static_cast<SurfaceStageId>(step), shared, store));
   return programs;
 }
 
 Result<std::vector<TileReceipt>> SurfaceStages::stored(const std::filesystem::path& run, std::uint32_t stage) const {
-  BOOST_OUTCOME_TRY(tiles, tiles_kept(run, kept_of(static_cast<Step>(stage))));
+  BOOST_OUTCOME_TRY(tiles, tiles_kept(run, output_of(static_cast<SurfaceStageId>(stage))));
   std::vector<TileReceipt> stored;
   for (const TileId tile : tiles) stored.push_back({tile, {}});
   return stored;

@@ -68,14 +68,14 @@ std::array<Corner, 3> SurfaceTile::facet(std::int32_t cell, std::size_t opposite
 Result<std::size_t> SurfaceTile::corner_of(std::int32_t cell, PointId wanted) const {
   for (std::size_t k = 0; k < 4; ++k)
     if (id(vertex(cell, k)) == wanted) return k;
-  return corrupt("cell " + std::to_string(cell) + " lacks a vertex that another tile says it has");
+  return corrupt("cell " + std::to_string(cell) + " lacks a vertex that the cell has in another tile");
 }
 
 Result<std::size_t> SurfaceTile::corner_towards(std::int32_t cell, std::int32_t from) const {
   for (std::size_t k = 0; k < 4; ++k)
     if (neighbor(cell, k) == from) return k;
   return corrupt("cell " + std::to_string(cell) + " is a neighbour of cell " + std::to_string(from) +
-                 ", which is none of its own");
+                 ", which does not name it in turn");
 }
 
 std::span<const std::uint32_t> SurfaceTile::star(std::int32_t v) const {
@@ -135,7 +135,7 @@ SurfaceTile::Weights SurfaceTile::take_weights() {
 
 Status SurfaceTile::put_weights(Weights weights) {
   if (weights.arcs.size() != mesh().cells.size() || weights.excess.size() != mesh().cell_ghost.size())
-    return corrupt("has other cells than when rays went through it");
+    return corrupt("has another number of cells than when rays went through the tile");
   arcs_ = std::move(weights.arcs);
   excess_ = std::move(weights.excess);
   return success();

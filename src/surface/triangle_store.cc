@@ -61,7 +61,7 @@ Status TriangleStore::finish(std::uint64_t ids) {
   return finish_store(folder_, manifest_, std::span<const DuplicatePair>());
 }
 
-Status for_each_tile(const TileSource& source, const TileParts& parts, const TileWork& how,
+Status for_each_tile(const TileSource& source, const TileFields& parts, const TileWork& how,
                      const std::function<Status(std::size_t index, StoredTile tile)>& work) {
   std::vector<std::size_t> tiles(source.tiles());
   std::iota(tiles.begin(), tiles.end(), std::size_t{0});

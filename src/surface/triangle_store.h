@@ -42,7 +42,7 @@ struct TileWork {
   std::uint64_t memory_bytes = 0;
   std::stop_token stop = {};
 };
-Status for_each_tile(const TileSource& source, const TileParts& parts, const TileWork& how,
+Status for_each_tile(const TileSource& source, const TileFields& parts, const TileWork& how,
                      const std::function<Status(std::size_t index, StoredTile tile)>& work);
 
 }  // namespace tessera::surface

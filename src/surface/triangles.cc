@@ -96,7 +96,7 @@ Result<std::vector<SurfaceFacet>> facets_of(const SurfaceTile& tile, std::span<c
                                             const Boundary& boundary) {
   for (std::size_t cell = 0; cell < labels.size(); ++cell)
     if (labels[cell] == Label::unknown)
-      return tile.corrupt("nobody has told whether cell " + std::to_string(cell) + " is outside");
+      return tile.corrupt("it is not known whether cell " + std::to_string(cell) + " is outside");
   return Collector(tile, labels, rule, boundary).collect();
 }
 

@@ -84,8 +84,8 @@ class Check {
     BOOST_OUTCOME_TRYV(check_edges());
     if (!options_.triangulation) {
       report_.note =
-          "whether its triangles are facets of the triangulation, and the cut is a minimum, only the triangulation "
-          "tells";
+          "not checked, because it needs the triangulation: that the triangles are facets of the triangulation, and "
+          "that the cut is a minimum";
       return std::move(report_);
     }
     BOOST_OUTCOME_TRYV(make_again());

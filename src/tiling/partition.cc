@@ -37,7 +37,7 @@ Result<PartitionKind> parse_partition_kind(const std::string& name) {
   for (std::size_t i = 0; i < kind_names.size(); ++i) {
     if (name == kind_names[i]) return static_cast<PartitionKind>(i);
   }
-  return error(Errc::usage, "partition \"" + name + "\" is none of kdtree, grid, octree, random");
+  return error(Errc::usage, "partition \"" + name + "\" is not one of kdtree, grid, octree and random");
 }
 
 Partition::Partition(PartitionKind kind, int dimension, std::vector<SplitNode> nodes, std::uint32_t tiles)

@@ -23,7 +23,7 @@ Status check_tree(const std::vector<SplitNode>& nodes, std::uint32_t tiles) {
     const SplitNode& node = nodes[row];
     const Box& box = boxes[row];
     const std::string name = "split " + std::to_string(row);
-    if (row > 0 && !row_used[row]) return bad(name + " hangs from no earlier one");
+    if (row > 0 && !row_used[row]) return bad(name + " is not the child of an earlier split");
     if (!(box.lo[node.axis] < node.value && node.value < box.hi[node.axis])) return bad(name + " is outside its box");
     for (const int side : {0, 1}) {
       const std::int32_t child = node.child[side];
@@ -34,7 +34,8 @@ Status check_tree(const std::vector<SplitNode>& nodes, std::uint32_t tiles) {
         continue;
       }
       const auto next = static_cast<std::size_t>(child);
-      if (next <= row || row_used[next]) return bad(name + " leads to split " + std::to_string(child) + ", not a tree");
+      if (next <= row || row_used[next])
+        return bad(name + " has the child " + std::to_string(child) + ", so the splits are not a tree");
       row_used[next] = true;
       boxes[next] = box;
       (side == 0 ? boxes[next].hi : boxes[next].lo)[node.axis] = node.value;
@@ -56,13 +57,13 @@ std::string Partition::to_json() const {
 
 Result<Partition> Partition::from_json(const std::string& text) {
   const json root = parse_json(text);
-  if (!root.is_object()) return bad("not a JSON object");
+  if (!root.is_object()) return bad("it is not a JSON object");
   for (const char* key : {"kind", "dimension", "tiles", "splits"}) {
     if (!root.contains(key)) return bad(std::string(key) + " is missing");
   }
   if (!root["kind"].is_string()) return bad("kind is not a string");
   const auto kind = parse_partition_kind(root["kind"].get<std::string>());
-  if (!kind) return bad("unknown kind");
+  if (!kind) return bad("its kind is not known");
   std::int64_t dimension = 0;
   std::int64_t tiles = 0;
   if (!read_integer(root["dimension"], 2, 3, dimension)) return bad("dimension is not 2 or 3");
@@ -72,7 +73,7 @@ Result<Partition> Partition::from_json(const std::string& text) {
   if (!splits.is_array()) return bad("splits is not a list");
   const std::int64_t rows = kind.value() == PartitionKind::random ? 0 : tiles - 1;
   if (splits.size() != static_cast<std::size_t>(rows)) {
-    return bad(std::to_string(splits.size()) + " splits for " + std::to_string(tiles) + " tiles");
+    return bad(std::to_string(splits.size()) + " splits do not make " + std::to_string(tiles) + " tiles");
   }
   std::vector<SplitNode> nodes;
   nodes.reserve(splits.size());

@@ -61,7 +61,7 @@ Result<std::uint64_t> check_seal(const std::filesystem::path& path, std::string_
     return damaged_run(path, "is damaged, or of an older version: it does not begin with its checksum");
   const std::uint64_t sum = seal_of(text);
   if (text.substr(seal_begin.size(), 16) != checksum_text(sum))
-    return damaged_run(path, "is damaged: its checksum is " + checksum_text(sum) + ", it says " +
+    return damaged_run(path, "is damaged: its checksum is " + checksum_text(sum) + ", but the file says " +
                                  in_quotes(text.substr(seal_begin.size(), 16)));
   return sum;
 }
@@ -123,10 +123,10 @@ class PlanReader {
       Bounds bounds;
       const std::string name = "tile " + std::to_string(run_.tile_points.size());
       if (!read_unsigned(at(tile, "points"), points) || points > run_.counts.read - sum) {
-        return bad(name + " has no possible number of points");
+        return bad(name + " has an impossible number of points");
       }
       if (!read_bounds(at(tile, "bounds"), bounds) || bounds.empty() != (points == 0)) {
-        return bad(name + " has no possible bounds");
+        return bad(name + " has impossible bounds");
       }
       sum += points;
       run_.tile_points.push_back(points);
@@ -135,7 +135,7 @@ class PlanReader {
     }
     const CloudCounts& c = run_.counts;
     if (c.invalid > c.read || c.filtered > c.read - c.invalid || sum != c.read - c.invalid - c.filtered) {
-      return bad("the tiles' points do not add up to what was read");
+      return bad("the numbers of points of the tiles do not add up to the number of points that were read");
     }
     return success();
   }
@@ -143,7 +143,7 @@ class PlanReader {
   Status read_bundles() {
     const json& bundles = at(root_, "bundles");
     if (!bundles.is_array() || !read_sum(at(root_, "segments_xxh3"), segments_sum_))
-      return bad("does not tell where the tiles' points are");
+      return bad("does not say in which files the points of the tiles are");
     for (const json& from : bundles) {
       std::uint64_t attempt = 0, number = 0;
       ShuffleFile bundle;
@@ -151,7 +151,7 @@ class PlanReader {
           !read_unsigned(at(from, "number"), number) || number > UINT32_MAX ||
           !read_unsigned(at(from, "first_id"), bundle.first_id) || bundle.first_id > run_.counts.read ||
           !read_unsigned(at(from, "points"), bundle.points) || bundle.points > run_.counts.read) {
-        return bad("bundle " + std::to_string(run_.bundles.size()) + " has no possible numbers");
+        return bad("file of points " + std::to_string(run_.bundles.size()) + " has impossible numbers");
       }
       bundle.id = {static_cast<std::uint32_t>(attempt), static_cast<std::uint32_t>(number)};
       run_.bundles.push_back(bundle);
@@ -161,7 +161,7 @@ class PlanReader {
 
   Status read_seeds() {
     const json& seeds = at(root_, "seeds");
-    if (!seeds.is_array() || seeds.size() > run_.counts.read) return bad("has no possible seeds");
+    if (!seeds.is_array() || seeds.size() > run_.counts.read) return bad("has an impossible list of seeds");
     std::size_t everywhere = 0;
     for (const json& from : seeds) {
       Seed seed;
@@ -176,7 +176,7 @@ class PlanReader {
       } else if (reach.is_number() && reach.get<double>() >= 0) {
         seed.reach = reach.get<double>();
       } else {
-        return bad("a seed does not tell how far it is known");
+        return bad("a seed has no valid reach");
       }
       seed.point.tile = run_.partition.tile_of(seed.point.at);
       run_.seeds.push_back(seed);
@@ -214,7 +214,7 @@ class PlanReader {
     std::string keep(name_of(run_.keep));
     // plans that keep the first point do not have it
     const bool read = !root_.contains("keep") || read_string(at(root_, "keep"), keep);
-    if (!read || !kept_point_of(keep)) return bad("keep is an unknown choice");
+    if (!read || !kept_point_of(keep)) return bad("keep is not a known choice");
     run_.keep = *kept_point_of(keep);
     if (!read_string(at(root_, "crs"), run_.crs) || !read_string(at(root_, "options_key"), run_.options_key)) {
       return bad("crs or options_key is not text");
@@ -239,7 +239,7 @@ Status read_segments(RoutedCloud& run, std::uint64_t written) {
   const auto sum = checksum(std::as_bytes(std::span(run.segments)));
   if (got != bytes || sum != written)
     return damaged_run(
-        path, "is damaged: its checksum is " + checksum_text(sum) + ", " + checksum_text(written) + " was written");
+        path, "is damaged: its checksum is " + checksum_text(sum) + ", but " + checksum_text(written) + " was written");
   std::uint64_t end = 0;
   for (std::size_t t = 0; t < run.tile_points.size(); ++t) {
     std::uint64_t points = 0;
@@ -247,15 +247,15 @@ Status read_segments(RoutedCloud& run, std::uint64_t written) {
       const Segment& s = run.segments[end];
       if (s.bundle >= run.bundles.size() || s.count == 0 || s.begin > run.bundles[s.bundle].points ||
           s.count > run.bundles[s.bundle].points - s.begin) {
-        return damaged_run(path, "segment " + std::to_string(end) + " is in no bundle");
+        return damaged_run(path, "segment " + std::to_string(end) + " lies in no file of points");
       }
       points += s.count;
     }
     if (points != run.tile_points[t])
-      return damaged_run(path, "tile " + std::to_string(t) + " has not the points that the plan tells of");
+      return damaged_run(path, "tile " + std::to_string(t) + " has another number of points than the plan says");
     run.segment_end.push_back(end);
   }
-  return end == run.segments.size() ? success() : Status(damaged_run(path, "has segments of no tile"));
+  return end == run.segments.size() ? success() : Status(damaged_run(path, "has segments that belong to no tile"));
 }
 
 Status check_size(const std::filesystem::path& path, std::uint64_t records, std::size_t record_bytes) {

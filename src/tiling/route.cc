@@ -29,9 +29,9 @@ namespace {
 class RunFolder {
  public:
   explicit RunFolder(const std::filesystem::path& path)
-      : path_(path), parts_{plan_file(path),       temporary_name(plan_file(path)), segments_file(path),
-                            points_folder(path),   attributes_folder(path),         routing_file(path),
-                            stretches_folder(path)} {}
+      : path_(path), parts_{plan_file(path),           temporary_name(plan_file(path)), segments_file(path),
+                            points_folder(path),       attributes_folder(path),         routing_file(path),
+                            routed_splits_folder(path)} {}
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
   ~RunFolder() {
@@ -195,20 +195,20 @@ Result<RoutedCloud> route(const Cloud& cloud, const std::filesystem::path& folde
   RoutedPoints& routed = writer.routed();
   std::vector<InputSplit> splits{cloud.whole()};
   if (router) {
-    BOOST_OUTCOME_TRY(cut, cut_into_splits(cloud, router->stretch_points(progress.points_total)));
+    BOOST_OUTCOME_TRY(cut, cut_into_splits(cloud, router->split_points(progress.points_total)));
     splits = std::move(cut);
   }
   if (splits.size() > 1) {
-    BOOST_OUTCOME_TRYV(make_directories(stretches_folder(folder)));
+    BOOST_OUTCOME_TRYV(make_directories(routed_splits_folder(folder)));
     BOOST_OUTCOME_TRY(attempts, router->route(cloud, splits, run.partition, folder, progress, stop));
     for (const std::uint32_t attempt : attempts) {
-      BOOST_OUTCOME_TRY(next, read_stretch(folder, attempt, run.partition));
+      BOOST_OUTCOME_TRY(next, read_split(folder, attempt, run.partition));
       routed.append(next);
     }
-    BOOST_OUTCOME_TRYV(remove_whole(stretches_folder(folder)));
+    BOOST_OUTCOME_TRYV(remove_whole(routed_splits_folder(folder)));
   } else {
-    BOOST_OUTCOME_TRYV(write_stretch(cloud, splits.front(), run.partition, writer, stop,
-                                     [&](std::uint64_t points) { progress.points_routed += points; }));
+    BOOST_OUTCOME_TRYV(write_split(cloud, splits.front(), run.partition, writer, stop,
+                                   [&](std::uint64_t points) { progress.points_routed += points; }));
   }
   run.counts = routed.counts;
   BOOST_OUTCOME_TRYV(check_span(cloud, run.dimension, run.counts, routed.span.rank()));

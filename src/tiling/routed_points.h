@@ -8,9 +8,9 @@
 
 #include "src/base/point.h"
 #include "src/input/cloud/cloud.h"
+#include "src/tiling/affine_basis.h"
 #include "src/tiling/seed_finder.h"
 #include "src/tiling/shuffle_file.h"
-#include "src/tiling/span_finder.h"
 
 namespace tessera {
 
@@ -22,7 +22,7 @@ struct RoutedPoints {
   std::vector<std::vector<Segment>> segments;  // by tile
   std::vector<Bounds> bounds;                  // by tile: the bounds of its points
   SeedFinder seeds;
-  SpanFinder span;
+  AffineBasis span;
   CloudCounts counts;  // of the input
 
   void resize(std::uint32_t tiles);

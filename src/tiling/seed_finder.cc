@@ -13,7 +13,7 @@
 namespace tessera {
 namespace {
 
-// The reach of a seed, in diagonals of the part around the one that the seed represents. A larger reach costs every
+// The reach of a seed, in diagonals of the subtree around the one that the seed represents. A larger reach costs every
 // tile more seeds; a smaller one leaves gaps between seeds, which tiles take for empty (docs/benchmarks.md).
 constexpr double drawn_reach = 0.7;
 constexpr double outermost_reach = 0.5;
@@ -69,18 +69,18 @@ double diagonal(const Bounds& b) {
 // Of equal keys the first stays. So of equal points the one with the lowest id stays.
 void SeedFinder::add(TileId tile, const Box& box, const LocalPoint& p) {
   if (tile.value >= tiles_.size()) tiles_.resize(tile.value + 1);
-  Part& part = tiles_[tile.value];
+  Subtree& subtree = tiles_[tile.value];
   const double key = lot(p.at);
-  if (part.empty) {
-    part.empty = false;
-    part.drawn = {key, p};
+  if (subtree.empty) {
+    subtree.empty = false;
+    subtree.drawn = {key, p};
     for (int k = 0; k < directions(dimension_); ++k) {
-      if (endless(box, k)) part.outermost.push_back({k, {along(p.at, k), p}});
+      if (endless(box, k)) subtree.outermost.push_back({k, {along(p.at, k), p}});
     }
     return;
   }
-  if (key > part.drawn.key) part.drawn = {key, p};
-  for (Outermost& o : part.outermost) {
+  if (key > subtree.drawn.key) subtree.drawn = {key, p};
+  for (Outermost& o : subtree.outermost) {
     if (const double a = along(p.at, o.direction); a > o.best.key) o.best = {a, p};
   }
 }
@@ -91,8 +91,8 @@ void SeedFinder::add(const SeedFinder& next, std::uint64_t first_id) {
     if (other.key > best.key) best = {other.key, {other.point.at, {other.point.id.value + first_id}}};
   };
   for (std::size_t t = 0; t < next.tiles_.size(); ++t) {
-    const Part& from = next.tiles_[t];
-    Part& to = tiles_[t];
+    const Subtree& from = next.tiles_[t];
+    Subtree& to = tiles_[t];
     if (from.empty) continue;
     if (to.empty) {  // any candidate has a greater key
       to.empty = false;
@@ -110,8 +110,8 @@ void SeedFinder::restart(TileId tile) {
 }
 
 void SeedFinder::write(FlatWriter& to) const {
-  to.value(
-      static_cast<std::uint64_t>(std::count_if(tiles_.begin(), tiles_.end(), [](const Part& p) { return !p.empty; })));
+  to.value(static_cast<std::uint64_t>(
+      std::count_if(tiles_.begin(), tiles_.end(), [](const Subtree& p) { return !p.empty; })));
   for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
     if (tiles_[t].empty) continue;
     to.value(t);
@@ -127,11 +127,11 @@ bool SeedFinder::read(FlatReader& from, std::uint32_t tiles) {
   for (std::uint64_t i = 0; i < filled; ++i) {
     std::uint32_t t = 0;
     if (!from.value(t) || t >= tiles || !tiles_[t].empty) return false;
-    Part& part = tiles_[t];
-    part.empty = false;
-    if (!from.value(part.drawn) || !from.list(part.outermost)) return false;
+    Subtree& subtree = tiles_[t];
+    subtree.empty = false;
+    if (!from.value(subtree.drawn) || !from.list(subtree.outermost)) return false;
     int last = -1;
-    for (const Outermost& o : part.outermost) {
+    for (const Outermost& o : subtree.outermost) {
       if (o.direction <= last || o.direction >= directions(dimension_)) return false;
       last = o.direction;
     }
@@ -139,8 +139,8 @@ bool SeedFinder::read(FlatReader& from, std::uint32_t tiles) {
   return true;
 }
 
-SeedFinder::Part SeedFinder::merged(const Part& a, const Part& b) const {
-  Part sum = a.empty ? b : a;
+SeedFinder::Subtree SeedFinder::merged(const Subtree& a, const Subtree& b) const {
+  Subtree sum = a.empty ? b : a;
   for (int i = 0; i < 3; ++i) {
     sum.box.lo[i] = std::min(a.box.lo[i], b.box.lo[i]);
     sum.box.hi[i] = std::max(a.box.hi[i], b.box.hi[i]);
@@ -171,25 +171,25 @@ std::vector<Seed> SeedFinder::choose(const Partition& partition, const std::vect
     seed.point = {p.at, p.id, partition.tile_of(p.at), 0};
     seed.reach = std::max(seed.reach, reach);
   };
-  const auto take_outermost = [&](const Part& part, double reach) {
-    for (const Outermost& o : part.outermost) {
-      if (endless(part.box, o.direction)) take(o.best.point, reach);
+  const auto take_outermost = [&](const Subtree& subtree, double reach) {
+    for (const Outermost& o : subtree.outermost) {
+      if (endless(subtree.box, o.direction)) take(o.best.point, reach);
     }
   };
   const auto tile = [&](std::uint32_t t) {
-    Part part = t < tiles_.size() ? tiles_[t] : Part{};
-    part.bounds = bounds[t];
-    part.box = partition.boxes()[t];
-    return part;
+    Subtree subtree = t < tiles_.size() ? tiles_[t] : Subtree{};
+    subtree.bounds = bounds[t];
+    subtree.box = partition.boxes()[t];
+    return subtree;
   };
   // Recursion, depth first: a tree of 10^6 tiles is at most some hundred levels deep.
-  const auto visit = [&](auto&& self, std::int32_t row) -> Part {
+  const auto visit = [&](auto&& self, std::int32_t row) -> Subtree {
     if (row < 0) return tile(tile_at(row).value);
     const SplitNode& split = partition.splits()[static_cast<std::size_t>(row)];
-    const Part below = self(self, split.child[0]), above = self(self, split.child[1]);
-    Part both = merged(below, above);
+    const Subtree below = self(self, split.child[0]), above = self(self, split.child[1]);
+    Subtree both = merged(below, above);
     const double size = diagonal(both.bounds);
-    for (const Part* half : {&below, &above}) {
+    for (const Subtree* half : {&below, &above}) {
       if (half->empty) continue;
       take(half->drawn.point, drawn_reach * size);
       take_outermost(*half, outermost_reach * size);
@@ -198,15 +198,15 @@ std::vector<Seed> SeedFinder::choose(const Partition& partition, const std::vect
   };
   for (const LocalPoint& p : everywhere) take(p, infinity);
   if (!partition.splits().empty()) {
-    const Part all = visit(visit, 0);
+    const Subtree all = visit(visit, 0);
     take(all.drawn.point, infinity);
     take_outermost(all, infinity);
   } else if (partition.tiles() > 1) {  // without splits all tiles are one in another, so all are near
-    Part all;
+    Subtree all;
     for (std::uint32_t t = 0; t < partition.tiles(); ++t) {
-      const Part part = tile(t);
-      if (!part.empty) take(part.drawn.point, infinity);
-      all = merged(all, part);
+      const Subtree subtree = tile(t);
+      if (!subtree.empty) take(subtree.drawn.point, infinity);
+      all = merged(all, subtree);
     }
     take_outermost(all, infinity);
   }

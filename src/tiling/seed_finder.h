@@ -12,12 +12,12 @@
 
 namespace tessera {
 
-// Every part (subtree) of the split tree, from one tile up to the whole cloud, has a point that represents it, drawn by
-// a hash of the coordinates. Where the part's box is unbounded, it also has its outermost points. What represents a
-// part also represents each of its halves that contains the point, so the seeds of the whole cloud are among the seeds
-// of its parts. The reach of a seed comes from the largest part that it represents: it is proportional to the size of
-// the part around that part. So a tile knows its surroundings finely and the distant world coarsely. With a balanced
-// tree of k tiles a tile has O(log k) seeds.
+// Every subtree of the split tree, from one tile up to the whole cloud, has a point that represents it, drawn by
+// a hash of the coordinates. Where the subtree's box is unbounded, it also has its outermost points. What represents a
+// subtree also represents each of its halves that contains the point, so the seeds of the whole cloud are among the
+// seeds of its subtrees. The reach of a seed comes from the largest subtree that it represents: it is proportional to
+// the size of the subtree around that subtree. So a tile knows its surroundings finely and the distant world coarsely.
+// With a balanced tree of k tiles a tile has O(log k) seeds.
 class SeedFinder {
  public:
   explicit SeedFinder(int dimension) : dimension_(dimension) {}
@@ -46,17 +46,17 @@ class SeedFinder {
     int direction = 0;
     Candidate best;
   };
-  struct Part {
+  struct Subtree {
     bool empty = true;
     Candidate drawn;
-    std::vector<Outermost> outermost;  // in the directions in which the part is unbounded
+    std::vector<Outermost> outermost;  // in the directions in which the subtree is unbounded
     Bounds bounds;
     Box box;
   };
-  Part merged(const Part& a, const Part& b) const;
+  Subtree merged(const Subtree& a, const Subtree& b) const;
 
   int dimension_;
-  std::vector<Part> tiles_;
+  std::vector<Subtree> tiles_;
 };
 
 }  // namespace tessera

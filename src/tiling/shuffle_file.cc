@@ -36,7 +36,7 @@ class Records {
   Status check(std::uint64_t written) const {
     if (sum_ == written) return success();
     return damaged_run(path_, "is damaged before record " + std::to_string(next_) + ": the checksum is " +
-                                  checksum_text(sum_) + ", " + checksum_text(written) + " was written");
+                                  checksum_text(sum_) + ", but " + checksum_text(written) + " was written");
   }
 
  private:

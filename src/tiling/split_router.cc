@@ -20,8 +20,8 @@ FrameOwner owner_of(const Partition& partition, std::uint32_t attempt) {
 
 }  // namespace
 
-Status write_stretch(const Cloud& cloud, const InputSplit& split, const Partition& partition, TileWriter& writer,
-                     const std::stop_token& stop, const RoutedMore& more) {
+Status write_split(const Cloud& cloud, const InputSplit& split, const Partition& partition, TileWriter& writer,
+                   const std::stop_token& stop, const RoutedMore& more) {
   RoutedPoints& routed = writer.routed();
   routed.resize(partition.tiles());
   const auto visit = [&](CloudBatch& batch) -> Status {
@@ -40,17 +40,18 @@ Status route_split(const Cloud& cloud, const InputSplit& split, const Partition&
                    const std::stop_token& stop) {
   TileWriter writer(work.run_folder, work.attempt, partition.dimension(), row_bytes(cloud.schema()),
                     budget::route_buffer_bytes(work.memory_bytes));
-  BOOST_OUTCOME_TRYV(write_stretch(cloud, split, partition, writer, stop, work.routed));
-  return write_frame(stretch_file(work.run_folder, work.attempt), ScratchKind::split, owner_of(partition, work.attempt),
-                     to_bytes(writer.routed()));
+  BOOST_OUTCOME_TRYV(write_split(cloud, split, partition, writer, stop, work.routed));
+  return write_frame(routed_split_file(work.run_folder, work.attempt), ScratchKind::split,
+                     owner_of(partition, work.attempt), to_bytes(writer.routed()));
 }
 
-Result<RoutedPoints> read_stretch(const std::filesystem::path& run_folder, std::uint32_t attempt,
-                                  const Partition& partition) {
-  const auto path = stretch_file(run_folder, attempt);
+Result<RoutedPoints> read_split(const std::filesystem::path& run_folder, std::uint32_t attempt,
+                                const Partition& partition) {
+  const auto path = routed_split_file(run_folder, attempt);
   BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::split, owner_of(partition, attempt)));
   RoutedPoints routed(partition.dimension());
-  if (!from_bytes(bytes, partition.tiles(), routed)) return damaged_run(path, "is not what a stretch leaves");
+  if (!from_bytes(bytes, partition.tiles(), routed))
+    return damaged_run(path, "is not a valid list of the points that were routed");
   return routed;
 }
 

@@ -1,4 +1,4 @@
-// Routes the input as input splits ("stretches" in names), several at once, on every node that can read them.
+// Routes the input as input splits, several at once, on every node that can read them.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class SplitRouter {
  public:
   virtual ~SplitRouter() = default;
   // Returns how many points an input split should have, for a cloud of `total` points.
-  virtual std::uint64_t stretch_points(std::uint64_t total) const = 0;
+  virtual std::uint64_t split_points(std::uint64_t total) const = 0;
   // Returns when route_split() has routed all input splits into the run folder. The result has, by input split, the
   // attempt that counts. Attempts begin at 1. Adds to progress.points_routed.
   virtual Result<std::vector<std::uint32_t>> route(const Cloud& cloud, const std::vector<InputSplit>& splits,
@@ -46,10 +46,10 @@ Status route_split(const Cloud& cloud, const InputSplit& split, const Partition&
                    const std::stop_token& stop);
 // The first half of route_split(): the points are then in shuffle files of `writer`, and what is known of them is in
 // writer.routed().
-Status write_stretch(const Cloud& cloud, const InputSplit& split, const Partition& partition, TileWriter& writer,
-                     const std::stop_token& stop, const RoutedMore& more);
+Status write_split(const Cloud& cloud, const InputSplit& split, const Partition& partition, TileWriter& writer,
+                   const std::stop_token& stop, const RoutedMore& more);
 // Reads what route_split() has written down. Error io, corrupt.
-Result<RoutedPoints> read_stretch(const std::filesystem::path& run_folder, std::uint32_t attempt,
-                                  const Partition& partition);
+Result<RoutedPoints> read_split(const std::filesystem::path& run_folder, std::uint32_t attempt,
+                                const Partition& partition);
 
 }  // namespace tessera

@@ -20,7 +20,8 @@ namespace {
 
 Status check_tile(const RoutedCloud& run, TileId tile) {
   if (tile.value < run.tile_points.size()) return success();
-  return error(Errc::internal, "tile " + std::to_string(tile.value) + " of " + std::to_string(run.tile_points.size()));
+  return error(Errc::internal, "there is no tile " + std::to_string(tile.value) + ": the run has " +
+                                   std::to_string(run.tile_points.size()) + " tiles");
 }
 
 // Checks all records of a tile, once in this process. Rows are looked up here and there in mapped files, so reading
@@ -64,7 +65,7 @@ Result<LoadedTile> load_tile(const RoutedCloud& run, TileId tile) {
       if (!is_finite(p.at) || !box.contains(p.at) || (i > 0 && p.id <= points[i - 1].id)) {
         return damaged_run(points_file(run.folder, run.bundles[segment.bundle].id),
                            "record " + std::to_string(segment.begin + i - begin) + " is not a point of tile " +
-                               to_string(tile) + " with an id above the one before");
+                               to_string(tile) + " with an id above that of the point before");
       }
     }
     begin += part.size();

@@ -81,7 +81,7 @@ TEST_F(TriangulateErrors, OfFilesNameThem) {
   auto options = small_job();
   options.folder("/nowhere/at/all");
   expect(failure_of([&] { triangulate(cloud("uniform", 3, 10), options); }), Cause::io,
-         "/nowhere/at/all: the folder it would stand in does not exist");
+         "/nowhere/at/all: the folder around it does not exist");
   EXPECT_EQ(failure_of([] { Triangulation::open("/nowhere"); }).cause(), Cause::io);
 }
 

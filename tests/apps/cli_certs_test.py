@@ -61,7 +61,7 @@ class Certs(CliTest):
     def test_one_wrong_name_among_many_makes_none(self):
         self.ok("certs", "init", self.certs)
         for name in ("../x", "ca", ".hidden", "a/b"):
-            self.refused(USAGE, "certs", "node", self.certs, "good", name, says=f"'{name}' is no name of a node")
+            self.refused(USAGE, "certs", "node", self.certs, "good", name, says=f"'{name}' cannot be the name of a node")
         self.assertEqual(self.files(), ["certs", "certs/ca.key", "certs/ca.pem"])
 
     def test_nodes_need_an_authority(self):

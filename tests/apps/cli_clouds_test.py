@@ -120,8 +120,8 @@ class Descriptions(CloudTest):
         self.assertLess(kept["single"], kept["last"])
         self.ok("triangulate", f"{IGN}/*.las", "-o", self.out, "--returns", "last", "--without", "withheld,synthetic", "--quiet")
         self.assertEqual(self.info(self.out)["filtered"], kept["all"] - kept["last"])
-        self.refused(USAGE, "info", f"{IGN}/*.las", "--returns", "second", says="none of all, first, last and single")
-        self.refused(USAGE, "info", f"{IGN}/*.las", "--without", "hidden", says="'hidden' is none of")
+        self.refused(USAGE, "info", f"{IGN}/*.las", "--returns", "second", says="not one of all, first, last and single")
+        self.refused(USAGE, "info", f"{IGN}/*.las", "--without", "hidden", says="'hidden' is not one of")
 
 
 class Columns(CloudTest):
@@ -156,7 +156,7 @@ class Columns(CloudTest):
     def test_names_that_make_no_points_are_sentences(self):
         self.write("survey.txt", self.SURVEY)
         for names, says in (("p,n,e,z", "--columns: no column is called x"), ("x,y,x", "--columns: 'x' is there twice"),
-                            ("x,,y", "--columns: "), ("p,y,x,z,_,_,q", "survey.txt, line 1: has 5 columns, and --columns names 7")):
+                            ("x,,y", "--columns: "), ("p,y,x,z,_,_,q", "survey.txt, line 1: has 5 columns, but --columns names 7")):
             with self.subTest(names=names):
                 self.refused(BAD_INPUT if "line" in says else USAGE, "triangulate", "survey.txt", "-o", self.out, "--columns", names, says=says)
         self.las()
@@ -214,7 +214,7 @@ class EqualPoints(CloudTest):
         self.xyz("solid.xyz")
         self.refused(USAGE, "triangulate", "solid.xyz", "-o", self.out, "--keep", "last", says="--keep last: chooses among points of equal x and y")
         self.refused(USAGE, "info", "solid.xyz", "--dim", "2", "--keep", "highest", "--no-z", says="--keep highest: needs the heights, which --no-z leaves out")
-        self.refused(USAGE, "info", "solid.xyz", "--keep", "middle", says="--keep: 'middle' is none of first, last, lowest and highest")
+        self.refused(USAGE, "info", "solid.xyz", "--keep", "middle", says="--keep: 'middle' is not one of first, last, lowest and highest")
         self.assertFalse(self.out.exists())
 
 

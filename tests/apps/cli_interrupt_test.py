@@ -114,7 +114,7 @@ class Interrupt(CliTest):
             _, errors = process.communicate(timeout=120)
             self.assertEqual(process.returncode, IO, errors)
             self.assertEqual(errors.splitlines()[-1],
-                             f"tessera: {self.out}: was silent for so long that another process has taken its lock")
+                             f"tessera: {self.out}: this process was silent for so long that another process has taken the lock of the folder")
             # Its one writer and its one thread may each have been in the middle of a tile's file.
             new = {name.split(".")[0] for name in set(self.files(self.out)) - set(before) if name[0] != "."}
             self.assertLessEqual(len(new), 1)

@@ -122,10 +122,10 @@ class Points(CliTest):
 
     def test_what_cannot_be_is_refused(self):
         cloud = self.xyz(n=300)
-        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--store", "half", says="--store: 'half' is none of auto, cells and points")
+        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--store", "half", says="--store: 'half' is not one of auto, cells and points")
         self.ok("triangulate", cloud, "-o", self.out, "--quiet")
         self.assertIn("no tile of this result is kept as points", self.ok("materialise", self.out))
-        self.refused(USAGE, "materialise", self.out, "-o", self.out, says="is there already")
+        self.refused(USAGE, "materialise", self.out, "-o", self.out, says="exists already")
         self.refused(USAGE, "materialise", self.out, "-o", "x", "--bbox", "1,2", says="--bbox")
 
 

@@ -152,7 +152,7 @@ class RegionTest(CliTest):
         np.testing.assert_array_equal(np.load(self.folder / "p" / "final.npy"), final)
         self.ok("export", self.out, "-o", self.folder / "p.vtu", "--quiet")
         self.assertIn(b'Name="final"', (self.folder / "p.vtu").read_bytes()[:4000])
-        self.refused(USAGE, "export", self.out, "-o", self.folder / "p.ply", says="cannot tell which are")
+        self.refused(USAGE, "export", self.out, "-o", self.folder / "p.ply", says="cannot mark which are")
 
     def test_wrong_questions(self):
         cloud = self.xyz(columns=2)

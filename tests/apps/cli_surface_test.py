@@ -67,7 +67,7 @@ class Surface(CliTest):
                 (USAGE, ["flat", "-o", "x.ply"], "2D triangulation"),
                 (USAGE, ["cells", "-o", "x.tif"], "'tif' is not a format"),
                 (USAGE, ["cells", "-o", "there.ply"], "there.ply"),
-                (USAGE, ["cells", "-o", "x.ply", "--sensor", "here"], "there are auto, vertical"),
+                (USAGE, ["cells", "-o", "x.ply", "--sensor", "here"], "give auto, vertical"),
                 (USAGE, ["cells", "-o", "x.ply", "--sensor", "point:1,2"], "'1,2' has 2 coordinates"),
                 (USAGE, ["cells", "-o", "x.ply", "--sensor", "fields"], "x_origin"),
                 (USAGE, ["cells", "-o", "x.ply", "--sensor", "scan-angle"], "no scan_angle"),

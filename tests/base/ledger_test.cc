@@ -36,7 +36,7 @@ TEST(LedgerTest, TheBoundThatWasMetFirstIsNamedAndEndsAllThatDraws) {
   const auto refused = ledger.write(1);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::memory);
-  EXPECT_EQ(refused.error().where, "it needs more disk than limits.disk, 10 B, allows");
+  EXPECT_EQ(refused.error().where, "the job needs more disk than limits.disk, 10 B, allows");
   EXPECT_TRUE(ledger.token().stop_requested());
   EXPECT_EQ(ledger.hold(100).error().where, refused.error().where);
   EXPECT_EQ(ledger.go_on().error().where, refused.error().where);
@@ -61,7 +61,7 @@ TEST(LedgerTest, MemoryComesBackAndFilesDoNot) {
     ledger.give_back(10);
   }
   ASSERT_TRUE(ledger.name_files(2));
-  EXPECT_EQ(ledger.name_files(1).error().where, "it needs more files than f allows");
+  EXPECT_EQ(ledger.name_files(1).error().where, "the job needs more files than f allows");
 }
 
 TEST(LedgerTest, TheReserveOfTheDiskStaysFree) {

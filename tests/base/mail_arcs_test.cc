@@ -29,33 +29,33 @@ TileLayout layout_of(std::int32_t tiles) {
   return layout;
 }
 
-std::set<std::int32_t> tiles_below(const TileLayout& layout, std::int32_t part) {
-  if (part < 0) return {-1 - part};
-  auto tiles = tiles_below(layout, layout.cuts[static_cast<std::size_t>(part)].below);
-  tiles.merge(tiles_below(layout, layout.cuts[static_cast<std::size_t>(part)].above));
+std::set<std::int32_t> tiles_below(const TileLayout& layout, std::int32_t region) {
+  if (region < 0) return {-1 - region};
+  auto tiles = tiles_below(layout, layout.cuts[static_cast<std::size_t>(region)].below);
+  tiles.merge(tiles_below(layout, layout.cuts[static_cast<std::size_t>(region)].above));
   return tiles;
 }
 
-TEST(MapParts, AreTheTilesThemselvesWhenThereAreFew) {
+TEST(MapRegions, AreTheTilesThemselvesWhenThereAreFew) {
   for (const int tiles : {1, 2, 100, 128}) {
-    const MapParts parts = parts_of(layout_of(tiles), static_cast<std::size_t>(tiles), 128);
-    ASSERT_EQ(parts.codes.size(), static_cast<std::size_t>(tiles));
+    const MapRegions regions = map_regions_of(layout_of(tiles), static_cast<std::size_t>(tiles), 128);
+    ASSERT_EQ(regions.codes.size(), static_cast<std::size_t>(tiles));
     for (int tile = 0; tile < tiles; ++tile)
-      EXPECT_EQ(parts.codes[parts.of_tile[static_cast<std::size_t>(tile)]], -1 - tile);
+      EXPECT_EQ(regions.codes[regions.of_tile[static_cast<std::size_t>(tile)]], -1 - tile);
   }
 }
 
-TEST(MapParts, OfManyTilesAreRowsOfTheLayoutOfAboutEqualSize) {
+TEST(MapRegions, OfManyTilesAreRowsOfTheLayoutOfAboutEqualSize) {
   for (const int tiles : {129, 1000, 5000}) {
     const TileLayout layout = layout_of(tiles);
-    const MapParts parts = parts_of(layout, static_cast<std::size_t>(tiles), 128);
-    ASSERT_EQ(parts.codes.size(), 128U);
+    const MapRegions regions = map_regions_of(layout, static_cast<std::size_t>(tiles), 128);
+    ASSERT_EQ(regions.codes.size(), 128U);
     std::map<std::uint16_t, std::set<std::int32_t>> in;
-    for (int tile = 0; tile < tiles; ++tile) in[parts.of_tile[static_cast<std::size_t>(tile)]].insert(tile);
+    for (int tile = 0; tile < tiles; ++tile) in[regions.of_tile[static_cast<std::size_t>(tile)]].insert(tile);
     ASSERT_EQ(in.size(), 128U);
     std::size_t least = 5000, most = 0;
-    for (const auto& [part, members] : in) {
-      EXPECT_EQ(members, tiles_below(layout, parts.codes[part]));
+    for (const auto& [region, members] : in) {
+      EXPECT_EQ(members, tiles_below(layout, regions.codes[region]));
       least = std::min(least, members.size());
       most = std::max(most, members.size());
     }
@@ -63,13 +63,13 @@ TEST(MapParts, OfManyTilesAreRowsOfTheLayoutOfAboutEqualSize) {
   }
 }
 
-TEST(MapParts, OfTilesWithoutAPlaceAreRunsOfThem) {
-  const MapParts parts = parts_of({}, 1000, 128);
-  EXPECT_EQ(parts.codes.size(), 128U);
-  EXPECT_TRUE(std::is_sorted(parts.of_tile.begin(), parts.of_tile.end()));
-  for (std::size_t part = 0; part < parts.codes.size(); ++part)
-    EXPECT_EQ(parts.of_tile[static_cast<std::size_t>(-1 - parts.codes[part])], part);
-  EXPECT_TRUE(parts_of({}, 0, 128).codes.empty());
+TEST(MapRegions, OfTilesWithoutAPlaceAreRunsOfThem) {
+  const MapRegions regions = map_regions_of({}, 1000, 128);
+  EXPECT_EQ(regions.codes.size(), 128U);
+  EXPECT_TRUE(std::is_sorted(regions.of_tile.begin(), regions.of_tile.end()));
+  for (std::size_t region = 0; region < regions.codes.size(); ++region)
+    EXPECT_EQ(regions.of_tile[static_cast<std::size_t>(-1 - regions.codes[region])], region);
+  EXPECT_TRUE(map_regions_of({}, 0, 128).codes.empty());
 }
 
 TEST(RecentMail, IsToldForASecondAtLeastAndTwoAtMost) {

@@ -25,7 +25,7 @@ TEST(Phases, AreFoundByName) {
 
 TEST(Phases, HaveWordsOfTheirOwn) {
   std::set<std::string> words;
-  for (const PhaseRow& row : phase_table) words.insert(row.words);
+  for (const PhaseRow& row : phase_table) words.insert(row.label);
   EXPECT_EQ(words.size(), phase_table.size());
 }
 
@@ -38,13 +38,13 @@ TEST(Phases, ShareTheTimeOfAJob) {
 TEST(Phases, OfAProgramBeginExchangeAndStore) {
   std::set<ProgramKind> programs;
   for (const PhaseRow& row : phase_table) {
-    EXPECT_EQ(row.program == ProgramKind::none, row.step == ProgramStep::none) << row.name;
+    EXPECT_EQ(row.program == ProgramKind::none, row.step == StageStep::none) << row.name;
     if (row.program != ProgramKind::none) programs.insert(row.program);
   }
   EXPECT_FALSE(programs.empty());
   for (const ProgramKind program : programs) {
-    const Phase begin = phase_of(program, ProgramStep::begin), exchange = phase_of(program, ProgramStep::exchange),
-                store = phase_of(program, ProgramStep::store);
+    const Phase begin = phase_of(program, StageStep::begin), exchange = phase_of(program, StageStep::exchange),
+                store = phase_of(program, StageStep::store);
     EXPECT_LT(begin, exchange);
     EXPECT_LT(exchange, store);
     EXPECT_TRUE(row_of(exchange).exchanges);

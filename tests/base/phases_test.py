@@ -13,7 +13,7 @@ NAMES = "|".join(row["name"] for row in TABLE)
 OWN = "|".join(row["name"] for row in TABLE if not row["over"])
 SPELLED = re.compile(rf"(?<![A-Za-z ])(?:{OWN})(?![A-Za-z .])")  # in a literal; what a name is a part of is a sentence or a file
 MEMBER = re.compile(rf"(?:\.|->)(?:{OWN})\b|(?<![:\w])(?:{OWN}):(?!:)")  # of a struct, and a key of TypeScript
-ENUMERATOR = re.compile(rf"(?<!:)\bPhase::(?:{NAMES})\b")  # not Schedule::Phase::collecting
+ENUMERATOR = re.compile(rf"(?<!:)\bPhase::(?:{NAMES})\b")  # not Other::Phase::collecting
 ASKED = re.compile(rf"(?:[=!<>]=|[<>]|\bcase\b)\s*{ENUMERATOR.pattern}|{ENUMERATOR.pattern}\s*(?:[=!<>]=|[<>])")
 # Strings, with those of Python that begin and end with three quotes, and comments, of which only C++'s and TypeScript's are told apart.
 TOKEN = re.compile(r'R"\((?P<raw>.*?)\)"|"""(?P<long>.*?)"""|"(?P<text>(?:\\.|[^"\\\n])*)"|\'(?P<small>(?:\\.|[^\'\\\n])*)\''
@@ -28,7 +28,7 @@ SPELLS = {
 
 
 def text_of(path):
-    """Without the phases of a class that has an enumeration of that name: those of a schedule, or of a tile's life."""
+    """Without the phases of a class that has an enumeration of that name."""
     text, header = path.read_text(), path.with_suffix(".h")
     own = header.exists() and "  enum class Phase" in header.read_text()
     return text.replace("Phase::", "Own::") if own else text
@@ -80,7 +80,7 @@ class Phases(unittest.TestCase):
                      "phases.routing = 1;", "const words = {splaying: 'x'};"):
             self.assertTrue(spells(text), text)
         for text in ('return "routing points";', '"routing.bin"', '#include "src/delaunay/run/routing.h"', "// the splaying phase",
-                     "State::finishing", '"done"', "case State::finishing:", "Schedule::Phase::collecting", "read_routing(routing.path)"):
+                     "State::finishing", '"done"', "case State::finishing:", "Other::Phase::collecting", "read_routing(routing.path)"):
             self.assertFalse(spells(text), text)
         for text in ("if (phase >= Phase::collecting)", "while (Phase::done != phase) {", "case Phase::routing:",
                      "phase == Phase::splaying ? 1 : 2", "phase<Phase::done"):

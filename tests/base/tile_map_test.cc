@@ -11,7 +11,7 @@ constexpr TileId tile(std::uint32_t number) { return TileId{number}; }
 
 TEST(TileMap, KnowsNothingBeforeItsRunBegins) {
   TileMap map;
-  map.reached(tile(0), TileStage::triangulated);
+  map.note_reached(tile(0), TileStatus::triangulated);
   EXPECT_EQ(map.stages(), "");
 }
 
@@ -19,12 +19,12 @@ TEST(TileMap, FollowsEveryTileThroughItsStages) {
   TileMap map;
   map.begin({}, {5, 0, 7, 1});
   EXPECT_EQ(map.stages(), "weww");
-  map.reached(tile(0), TileStage::triangulated);
-  map.reached(tile(2), TileStage::triangulated);
-  map.reached(tile(2), TileStage::splayed);
+  map.note_reached(tile(0), TileStatus::triangulated);
+  map.note_reached(tile(2), TileStatus::triangulated);
+  map.note_reached(tile(2), TileStatus::splayed);
   EXPECT_EQ(map.stages(), "tesw");
-  map.reached(tile(2), TileStage::stored);
-  map.reached(tile(2), TileStage::splayed);  // told late
+  map.note_reached(tile(2), TileStatus::stored);
+  map.note_reached(tile(2), TileStatus::splayed);  // told late
   EXPECT_EQ(map.stages(), "tedw");
   EXPECT_EQ(map.begun_again(), 0u);
 }
@@ -32,8 +32,8 @@ TEST(TileMap, FollowsEveryTileThroughItsStages) {
 TEST(TileMap, CountsTilesThatWereLostAndBegunAgain) {
   TileMap map;
   map.begin({}, {1, 1});
-  for (const TileStage stage : {TileStage::triangulated, TileStage::splayed, TileStage::triangulated})
-    map.reached(tile(1), stage);
+  for (const TileStatus stage : {TileStatus::triangulated, TileStatus::splayed, TileStatus::triangulated})
+    map.note_reached(tile(1), stage);
   EXPECT_EQ(map.stages(), "wt");
   EXPECT_EQ(map.begun_again(), 1u);
   map.begin({}, {1, 1});

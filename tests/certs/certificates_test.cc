@@ -93,14 +93,14 @@ TEST_F(Making, ANameThatIsNoneTouchesNoFile) {
   ASSERT_TRUE(make_authority(folder()));
   for (const std::string name : {"../x", "a/b", "", ".", "..", ".hidden", "-rf", "a b", "a,DNS:b", "ca", "gr\xc3\xbcn",
                                  "a\n", "a\t", "fe80::1", "*"})
-    expect_refused(make_node(folder(), name), Errc::usage, "'" + name + "' is no name of a node");
+    expect_refused(make_node(folder(), name), Errc::usage, "'" + name + "' cannot be the name of a node");
   expect_refused(make_node(folder(), std::string(65, 'a')), Errc::usage, "1 to 64");
   EXPECT_EQ(names_in(folder()), (std::set<std::string>{"ca.pem", "ca.key"}));
   EXPECT_FALSE(fs::exists(folder().parent_path() / "x.pem"));
   EXPECT_TRUE(make_node(folder(), std::string(64, 'a')));
   CertificateOptions options;
   options.cluster = "two words";
-  expect_refused(make_authority(file("other"), options), Errc::usage, "'two words' is no name of a cluster");
+  expect_refused(make_authority(file("other"), options), Errc::usage, "'two words' cannot be the name of a cluster");
   EXPECT_FALSE(fs::exists(file("other")));
 }
 

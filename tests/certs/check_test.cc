@@ -59,18 +59,18 @@ TEST_F(Checking, WhatIsNoCertificateOrKeyIsNamed) {
   const std::string certificate = text_of("a.pem"), key = text_of("a.key"), authority = text_of("ca.pem");
   for (const std::string& wrong : {std::string(), std::string("nothing\n"), key, certificate.substr(0, 200)}) {
     write("a.pem", wrong);
-    expect_refused(check("a"), Errc::usage, "/a.pem: is no certificate in PEM");
+    expect_refused(check("a"), Errc::usage, "/a.pem: is not a certificate in PEM format");
   }
   write("a.pem", certificate + certificate.substr(0, 200));
-  expect_refused(check("a"), Errc::usage, "/a.pem: is no certificate in PEM");
+  expect_refused(check("a"), Errc::usage, "/a.pem: is not a certificate in PEM format");
   write("a.pem", certificate);
   for (const std::string& wrong : {std::string(), certificate, key.substr(0, 60)}) {
     write("a.key", wrong);
-    expect_refused(check("a"), Errc::usage, "/a.key: is no key in PEM");
+    expect_refused(check("a"), Errc::usage, "/a.key: is not a key in PEM format");
   }
   write("a.key", key);
   write("ca.pem", "nothing");
-  expect_refused(check("a"), Errc::usage, "/ca.pem: is no certificate in PEM");
+  expect_refused(check("a"), Errc::usage, "/ca.pem: is not a certificate in PEM format");
   write("ca.pem", authority);
   EXPECT_TRUE(check("a"));
 }
@@ -79,7 +79,7 @@ TEST_F(Checking, AKeyWithAPassphraseIsRefusedWithoutAskingForIt) {
   ASSERT_EQ(openssl("pkey -in a.key -aes128 -passout pass:secret -out secret.key").find("exit"), std::string::npos);
   write("a.key", text_of("secret.key"));
   ASSERT_PRED_FORMAT2(testing::IsSubstring, "ENCRYPTED", text_of("a.key"));
-  expect_refused(check("a"), Errc::usage, "/a.key: is no key in PEM, or one with a passphrase");
+  expect_refused(check("a"), Errc::usage, "/a.key: is not a key in PEM format, or it has a passphrase");
 }
 
 TEST_F(Checking, ASwappedKeyIsNamed) {
@@ -164,16 +164,16 @@ TEST_F(Checking, TheGroupMayReadAKeyThatRootHandsOverAndNobodyElses) {
 }
 
 TEST_F(Checking, TheAuthoritysOwnFilesAreNoNode) {
-  expect_refused(check("ca"), Errc::usage, "/ca.pem: is no certificate of a node");
+  expect_refused(check("ca"), Errc::usage, "/ca.pem: is not a certificate of a node");
   expect_refused(check_node(file("b.pem"), file("a.pem"), file("a.key")), Errc::usage,
-                 "/b.pem: is no certificate of an authority");
+                 "/b.pem: is not a certificate of an authority");
 }
 
 TEST_F(Checking, CertificatesMadeElsewhereAreTakenIfTheyServeBothWays) {
   made_elsewhere("rsa:2048", "subjectAltName=DNS:d\n");
   EXPECT_TRUE(check("d"));
   made_elsewhere("rsa:2048", "extendedKeyUsage=serverAuth\n");
-  expect_refused(check("d"), Errc::usage, "/d.pem: is no certificate of a node: it must be for both");
+  expect_refused(check("d"), Errc::usage, "/d.pem: is not a certificate of a node: it must be for both");
   made_elsewhere("rsa:1024", "subjectAltName=DNS:d\n");
   expect_refused(check("d"), Errc::usage, "/d.pem: cannot be used with ");
 }
@@ -205,7 +205,7 @@ TEST_F(Finding, NoneAndSeveralAreNamed) {
   expect_refused(status(node_certificate_in(folder())), Errc::usage, ": holds the certificates of several nodes: a, b");
   EXPECT_EQ(node_certificate_in(folder(), "b").value().key, file("b.key"));
   expect_refused(status(node_certificate_in(folder(), "c")), Errc::usage, "/c.pem: is missing");
-  expect_refused(status(node_certificate_in(folder(), "../a")), Errc::usage, "'../a' is no name of a node");
+  expect_refused(status(node_certificate_in(folder(), "../a")), Errc::usage, "'../a' cannot be the name of a node");
   fs::remove(file("node/a.key"));
   expect_refused(status(node_certificate_in(file("node"))), Errc::usage, "/a.key: is missing");
   copy("a.key", "node/a.key");
@@ -213,7 +213,7 @@ TEST_F(Finding, NoneAndSeveralAreNamed) {
   expect_refused(status(node_certificate_in(file("node"))), Errc::usage, "/ca.pem: is missing");
   fs::remove(file("node/a.pem"));
   expect_refused(status(node_certificate_in(file("node"))), Errc::usage,
-                 ": holds no certificate of a node, NAME.pem and NAME.key");
+                 ": holds no certificate of a node: the files NAME.pem and NAME.key are missing");
   expect_refused(status(node_certificate_in(file("none"))), Errc::io, "/none: cannot be read");
 }
 

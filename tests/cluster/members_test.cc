@@ -55,14 +55,14 @@ TEST(Members, LeasesGoOnForAsLongAsNobodyListened) {
 TEST(Members, OfThoseWhoCannotReachEachOtherTheWorstConnectedIsLost) {
   Members members(8s);
   for (const char* uuid : {"a", "b", "c", "d"}) members.hello(node(uuid), {}, at(0s));
-  members.unreachable("b", "a", at(0s));
+  members.note_unreachable("b", "a", at(0s));
   EXPECT_TRUE(members.lose_silent(at(500ms)).empty());  // others may say the same
-  members.unreachable("a", "c", at(600ms));
-  members.unreachable("d", "a", at(700ms));
+  members.note_unreachable("a", "c", at(600ms));
+  members.note_unreachable("d", "a", at(700ms));
   EXPECT_EQ(uuids(members.lose_silent(at(1s))), std::vector<NodeUuid>{"a"});
-  members.unreachable("b", "a", at(2s));  // said before it was known to be lost
+  members.note_unreachable("b", "a", at(2s));  // said before it was known to be lost
   EXPECT_TRUE(members.lose_silent(at(3s)).empty());
-  members.unreachable("b", "c", at(3s));
+  members.note_unreachable("b", "c", at(3s));
   EXPECT_EQ(uuids(members.lose_silent(at(4s))), std::vector<NodeUuid>{"c"});  // of equal ones the last that came
 }
 
@@ -70,9 +70,9 @@ TEST(Members, ANodeIsFreeOnceItHasReachedTheOthers) {
   Members members(10s);
   members.hello(node("a"), {}, at(0s));
   EXPECT_FALSE(members.find("a")->free);
-  EXPECT_TRUE(members.reached_all("a"));
-  EXPECT_FALSE(members.reached_all("a"));
-  EXPECT_FALSE(members.reached_all("nobody"));
+  EXPECT_TRUE(members.mark_reached_all("a"));
+  EXPECT_FALSE(members.mark_reached_all("a"));
+  EXPECT_FALSE(members.mark_reached_all("nobody"));
   EXPECT_TRUE(members.find("a")->free);
 }
 
@@ -80,14 +80,14 @@ TEST(Members, ANodeIsFreeOnceItHasReachedTheOthers) {
 TEST(Members, ANodeIsNotFreeWhileAnotherMemberCannotBeReached) {
   Members members(8s);
   for (const char* uuid : {"a", "b", "c"}) members.hello(node(uuid), {}, at(0s));
-  members.unreachable("a", "c", at(0s));
-  EXPECT_FALSE(members.reached_all("a"));
+  members.note_unreachable("a", "c", at(0s));
+  EXPECT_FALSE(members.mark_reached_all("a"));
   EXPECT_FALSE(members.find("a")->free);
-  EXPECT_TRUE(members.reached_all("b"));
+  EXPECT_TRUE(members.mark_reached_all("b"));
   EXPECT_EQ(uuids(members.lose_silent(at(1s))), std::vector<NodeUuid>{"c"});
-  EXPECT_TRUE(members.reached_all("a"));
-  members.unreachable("b", "c", at(2s));   // which is no member any more
-  EXPECT_FALSE(members.reached_all("b"));  // as it has been
+  EXPECT_TRUE(members.mark_reached_all("a"));
+  members.note_unreachable("b", "c", at(2s));   // which is no member any more
+  EXPECT_FALSE(members.mark_reached_all("b"));  // as it has been
   EXPECT_TRUE(members.find("b")->free);
 }
 

@@ -22,20 +22,20 @@ TEST(Wkt, ValuesOfAllKindsAreRead) {
 }
 
 TEST(Wkt, WhatIsNoneIsRefusedWithItsPlace) {
-  EXPECT_EQ(fault(""), "it begins with no keyword of a coordinate system");
-  EXPECT_EQ(fault("DATUM[\"x\"]"), "it begins with no keyword of a coordinate system");
+  EXPECT_EQ(fault(""), "it does not begin with the keyword of a coordinate system");
+  EXPECT_EQ(fault("DATUM[\"x\"]"), "it does not begin with the keyword of a coordinate system");
   EXPECT_EQ(fault("PROJCS[\"x\""), "it ends too early");
   EXPECT_EQ(fault("PROJCS"), "it ends too early");
   EXPECT_EQ(fault("PROJCS[\"x"), "it ends within quotation marks");
   EXPECT_EQ(fault("PROJCS[\"x\"\""), "it ends within quotation marks");
-  EXPECT_EQ(fault("PROJCS[\"x\")"), "it is none from its byte 10 on");
-  EXPECT_EQ(fault("PROJCS[]"), "it is none from its byte 7 on");
-  EXPECT_EQ(fault("PROJCS[\"x\",]"), "it is none from its byte 11 on");
-  EXPECT_EQ(fault("PROJCS[\"x\"y]"), "it is none from its byte 10 on");
-  EXPECT_EQ(fault("PROJCS[/etc/passwd]"), "it is none from its byte 7 on");
-  EXPECT_EQ(fault("PROJCS[\"x\"] +init=x"), "it is none from its byte 12 on");
-  EXPECT_EQ(fault(std::string("PROJCS[\"x\"]\0y", 13)), "it is none from its byte 11 on");
-  EXPECT_EQ(fault("PROJCS[\xE2\x80\x9Cx\xE2\x80\x9D]"), "it is none from its byte 7 on");
+  EXPECT_EQ(fault("PROJCS[\"x\")"), "it is not WKT from byte 10 on");
+  EXPECT_EQ(fault("PROJCS[]"), "it is not WKT from byte 7 on");
+  EXPECT_EQ(fault("PROJCS[\"x\",]"), "it is not WKT from byte 11 on");
+  EXPECT_EQ(fault("PROJCS[\"x\"y]"), "it is not WKT from byte 10 on");
+  EXPECT_EQ(fault("PROJCS[/etc/passwd]"), "it is not WKT from byte 7 on");
+  EXPECT_EQ(fault("PROJCS[\"x\"] +init=x"), "it is not WKT from byte 12 on");
+  EXPECT_EQ(fault(std::string("PROJCS[\"x\"]\0y", 13)), "it is not WKT from byte 11 on");
+  EXPECT_EQ(fault("PROJCS[\xE2\x80\x9Cx\xE2\x80\x9D]"), "it is not WKT from byte 7 on");
 }
 
 TEST(Wkt, DepthAndLengthAreBounded) {
@@ -65,7 +65,7 @@ TEST(Wkt, OnlyLabelsHoldSlashesAndNoLabelWithAnEqualSign) {
     EXPECT_NE(with(keyword, "a\\b"), "") << keyword;
     EXPECT_EQ(with(keyword, "b"), "") << keyword;
   }
-  EXPECT_EQ(with("EXTENSION", "/b"), "its EXTENSION holds a slash, and may name a file");
+  EXPECT_EQ(with("EXTENSION", "/b"), "its EXTENSION holds a slash, so it may name a file");
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ class Commands(regions_test.WithDaemon):
         there = self.tessera("export", "ground", "-o", "b.ply", "--local", *self.server)
         self.assertEqual(there, here.replace("a.ply", "b.ply"))
         self.assertEqual((self.folder / "b.ply").read_bytes(), (self.folder / "a.ply").read_bytes())
-        self.says_no("--local: is for ply, obj, off and stl; vtu keeps coordinates as they are", "export", "ground", "-o", "b.vtu", "--local")
+        self.says_no("--local: works only with ply, obj, off and stl; vtu keeps coordinates as they are", "export", "ground", "-o", "b.vtu", "--local")
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
     def test_a_region_is_told_as_here(self):

@@ -141,7 +141,7 @@ class Jobs(WithDaemon):
                     self.assertEqual((result / "exports" / file).read_bytes(), (self.folder / file).read_bytes())
                     # What is not provably that of the whole is said not to be.
                     self.assertEqual(outcome.get("note"), told.get("note"))
-                    self.assertEqual("the region does not know all cells" not in outcome.get("note", ""), final)
+                    self.assertEqual("the region does not hold all cells" not in outcome.get("note", ""), final)
         self.execute("region", **INPUTS, bbox=inner, dim=3, output="cube")
         for process, inputs in (("dem", {"res": 1}), ("contours", {"interval": 1})):
             status, detail = self.refused(process, triangulation="cube", **inputs)

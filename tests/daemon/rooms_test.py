@@ -63,7 +63,7 @@ class Rooms(DaemonTest):
         status, _, problem = self.submit("too-large", 2)
         self.assertEqual(status, 422, problem)
         self.assertRegex(problem["detail"], r"^a tile of 200001 points needs about 12[0-9]M of memory beside what a node needs itself, and no "
-                                            r"node has it: of 2 node c gives a job most, 110M; ask for smaller tiles, or give nodes more memory")
+                                            r"node has so much: of 2 node c gives a job most, 110M; ask for smaller tiles, or give nodes more memory")
         # Left to choose, the coordinator takes as small ones as they need, though it has more itself.
         status, _, job = self.submit("chosen", None)
         self.assertEqual(status, 201, job)

@@ -30,7 +30,7 @@ class Surfaces(_WithDaemon):
                 ({}, 400, "triangulation"),
                 ({"triangulation": "block", "output": "x.xyz"}, 400, "xyz"),
                 ({"triangulation": "block", "output": "../x.ply"}, 400, "output"),
-                ({"triangulation": "block", "sensor": "track:/etc/passwd"}, 400, "tells no sensors"),
+                ({"triangulation": "block", "sensor": "track:/etc/passwd"}, 400, "does not say where the sensors are"),
                 ({"triangulation": "block", "sensor": "point:1,2"}, 400, "sensor"),
                 ({"triangulation": "block", "bottom": "flat"}, 400, "bottom"),
                 ({"triangulation": "block", "unknown": "maybe"}, 400, "solid nor empty"),

@@ -15,7 +15,7 @@ from daemon import ENDED, Daemon, DaemonTest
 
 LEASE_S = 3
 ROUNDS, SEED = int(os.environ.get("ROUNDS", "4")), int(os.environ.get("SEED", "1"))
-LOST = "was silent for so long that another process has taken its lock"
+LOST = "this process was silent for so long that another process has taken the lock of the folder"
 
 
 def can_play_machines():

@@ -47,12 +47,12 @@ TEST_F(There, IsWhatTheSystemSays) {
   EXPECT_EQ(bytes_if_there(folder() / "none").value(), std::nullopt);
   EXPECT_EQ(bytes_if_there(folder() / "folder").value(), std::nullopt);
   EXPECT_NE(file_bytes(folder() / "none").error().where.find("No such file"), std::string::npos);
-  EXPECT_EQ(file_bytes(folder() / "folder").error().where, (folder() / "folder").string() + ": is no regular file");
+  EXPECT_EQ(file_bytes(folder() / "folder").error().where, (folder() / "folder").string() + ": is not a regular file");
 }
 
 TEST_F(There, WhatCannotBeLookedAtIsNotNothing) {
   EXPECT_EQ(is_there(folder() / "loop").error().where,
-            (folder() / "loop").string() + ": cannot be looked at: Too many levels of symbolic links");
+            (folder() / "loop").string() + ": cannot be examined: Too many levels of symbolic links");
   EXPECT_TRUE(is_there(folder() / "loop", FollowLinks::no).value());
   EXPECT_EQ(is_there(folder() / std::string(300, 'x')).error().code, Errc::io);
 }
@@ -100,7 +100,7 @@ TEST_F(There, EachErrorOfTheDiskIsTold) {
         ASSERT_FALSE(answer);
         EXPECT_EQ(answer.error().code, Errc::io);
         EXPECT_EQ(answer.error().where,
-                  path.string() + ": cannot be looked at: " + std::generic_category().message(number));
+                  path.string() + ": cannot be examined: " + std::generic_category().message(number));
       }
     }
   }

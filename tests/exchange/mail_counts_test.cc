@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 TEST(MailCounts, AddUpWhatEachPartTellsAnother) {
-  MailCounts counts(parts_of({}, 4, MailCounts::parts_max));
+  MailCounts counts(map_regions_of({}, 4, MailCounts::regions_max));
   counts.add(TileId{0}, TileId{1}, 5);
   counts.add(TileId{0}, TileId{1}, 6);
   counts.add(TileId{3}, TileId{2}, 20);
@@ -17,11 +17,11 @@ TEST(MailCounts, AddUpWhatEachPartTellsAnother) {
   counts.add(TileId{2}, TileId{700}, 9);  // of another run
   EXPECT_EQ(counts.take(2), (std::vector<MailArc>{{-4, -3, 20}, {-1, -2, 11}}));
   EXPECT_TRUE(counts.take(2).empty());  // the lightest is forgotten, too
-  EXPECT_TRUE(MailCounts(parts_of({}, 0, 4)).take(1).empty());
+  EXPECT_TRUE(MailCounts(map_regions_of({}, 0, 4)).take(1).empty());
 }
 
 TEST(MailCounts, LoseNothingOfWhatManyThreadsTell) {
-  MailCounts counts(parts_of({}, 1000, 2));
+  MailCounts counts(map_regions_of({}, 1000, 2));
   std::uint64_t sum = 0;
   {
     std::vector<std::jthread> threads;

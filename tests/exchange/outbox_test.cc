@@ -37,7 +37,7 @@ class GateTest : public ::testing::Test {
 };
 
 TEST_F(GateTest, SendsParcelsInOrderWhileTheWindowHasRoom) {
-  Outbox outbox({.window_bytes = 5 * one, .parcel_bytes = 2 * one, .memory_bytes = 100 * one}, scratch_);
+  Outbox outbox({.window_bytes = 5 * one, .packet_bytes = 2 * one, .memory_bytes = 100 * one}, scratch_);
   EXPECT_TRUE(outbox.next().value().empty());
   for (std::uint32_t n = 0; n < 7; ++n) ASSERT_TRUE(outbox.add(update(n)));
   EXPECT_EQ(numbers(outbox.next().value()), (std::vector<std::uint32_t>{0, 1}));
@@ -56,7 +56,7 @@ TEST_F(GateTest, SendsParcelsInOrderWhileTheWindowHasRoom) {
 
 // Else it would never go.
 TEST_F(GateTest, SendsWhatIsLargerThanTheWindowAlone) {
-  Outbox outbox({.window_bytes = one, .parcel_bytes = one, .memory_bytes = 100 * one}, scratch_);
+  Outbox outbox({.window_bytes = one, .packet_bytes = one, .memory_bytes = 100 * one}, scratch_);
   ASSERT_TRUE(outbox.add(update(0, 4000)));
   ASSERT_TRUE(outbox.add(update(1)));
   EXPECT_EQ(numbers(outbox.next().value()), std::vector<std::uint32_t>{0});
@@ -66,7 +66,7 @@ TEST_F(GateTest, SendsWhatIsLargerThanTheWindowAlone) {
 }
 
 TEST_F(GateTest, PutsWhatIsTooMuchOnScratchAndTakesItBackInOrder) {
-  Outbox outbox({.window_bytes = 1000 * one, .parcel_bytes = 2 * one, .memory_bytes = 3 * one}, scratch_);
+  Outbox outbox({.window_bytes = 1000 * one, .packet_bytes = 2 * one, .memory_bytes = 3 * one}, scratch_);
   for (std::uint32_t n = 0; n < 50; ++n) ASSERT_TRUE(outbox.add(update(n)));
   EXPECT_TRUE(std::filesystem::exists(scratch_));
   EXPECT_EQ(outbox.waiting_bytes(), 50 * one);
@@ -88,13 +88,13 @@ TEST_F(GateTest, PutsWhatIsTooMuchOnScratchAndTakesItBackInOrder) {
 }
 
 TEST_F(GateTest, WithoutScratchHoldsEverything) {
-  Outbox outbox({.window_bytes = 1000 * one, .parcel_bytes = 2 * one, .memory_bytes = one}, {});
+  Outbox outbox({.window_bytes = 1000 * one, .packet_bytes = 2 * one, .memory_bytes = one}, {});
   for (std::uint32_t n = 0; n < 50; ++n) ASSERT_TRUE(outbox.add(update(n)));
   EXPECT_EQ(numbers(outbox.next().value()), (std::vector<std::uint32_t>{0, 1}));
 }
 
 TEST_F(GateTest, FindsDamageOnScratch) {
-  Outbox outbox({.window_bytes = 1000 * one, .parcel_bytes = 2 * one, .memory_bytes = one}, scratch_);
+  Outbox outbox({.window_bytes = 1000 * one, .packet_bytes = 2 * one, .memory_bytes = one}, scratch_);
   for (std::uint32_t n = 0; n < 4; ++n) ASSERT_TRUE(outbox.add(update(n)));
   std::fstream file(scratch_, std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(100);
@@ -107,7 +107,7 @@ TEST_F(GateTest, FindsDamageOnScratch) {
 }
 
 TEST_F(GateTest, ForgetsWhatWaitsForWhoeverIsLost) {
-  Outbox outbox({.window_bytes = 2 * one, .parcel_bytes = 2 * one, .memory_bytes = one}, scratch_);
+  Outbox outbox({.window_bytes = 2 * one, .packet_bytes = 2 * one, .memory_bytes = one}, scratch_);
   for (std::uint32_t n = 0; n < 9; ++n) ASSERT_TRUE(outbox.add(update(n)));
   ASSERT_FALSE(outbox.next().value().empty());
   outbox.clear();

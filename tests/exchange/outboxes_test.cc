@@ -24,7 +24,7 @@ Update update(std::uint32_t number, std::size_t bytes = 100) {
 const std::uint64_t one = Outbox::bytes_of(update(0));
 
 TEST(Outboxes, SendToEachNodeWithinAWindowOfItsOwn) {
-  Outboxes outboxes({.window_bytes = 2 * one, .parcel_bytes = 2 * one, .memory_bytes = 100 * one}, {});
+  Outboxes outboxes({.window_bytes = 2 * one, .packet_bytes = 2 * one, .memory_bytes = 100 * one}, {});
   for (std::uint32_t n = 0; n < 3; ++n) ASSERT_TRUE(outboxes.add(a, update(n)));
   ASSERT_TRUE(outboxes.add(b, update(9)));
   EXPECT_EQ(outboxes.next(a).value().size(), 2u);
@@ -41,7 +41,7 @@ TEST(Outboxes, SendToEachNodeWithinAWindowOfItsOwn) {
 TEST(Outboxes, ForgetWhatWaitsForNodesWithoutAShare) {
   const auto folder = TemporaryFolder::make();
   const std::filesystem::path scratch = folder.value().path();
-  Outboxes outboxes({.window_bytes = one, .parcel_bytes = one, .memory_bytes = 0}, scratch);
+  Outboxes outboxes({.window_bytes = one, .packet_bytes = one, .memory_bytes = 0}, scratch);
   ASSERT_TRUE(outboxes.add(a, update(0)));
   ASSERT_TRUE(outboxes.add(b, update(1)));
   EXPECT_FALSE(std::filesystem::is_empty(scratch));

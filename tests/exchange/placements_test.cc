@@ -80,10 +80,10 @@ TEST_F(SixTiles, ThatWereGivenUpGoToWhoeverCameLate) {
   placements.come_late(NodeId{2});
   for (const NodeId node : {NodeId{0}, NodeId{1}}) placements.ask(node);
   EXPECT_TRUE(placements.awaits());
-  EXPECT_TRUE(placements.answer(NodeId{0}, ids({2})));
-  EXPECT_FALSE(placements.answer(NodeId{0}, ids({1}))) << "it was asked once";
+  EXPECT_TRUE(placements.take_answer(NodeId{0}, ids({2})));
+  EXPECT_FALSE(placements.take_answer(NodeId{0}, ids({1}))) << "it was asked once";
   EXPECT_TRUE(placements.awaits());
-  EXPECT_TRUE(placements.answer(NodeId{1}, ids({5})));
+  EXPECT_TRUE(placements.take_answer(NodeId{1}, ids({5})));
   EXPECT_FALSE(placements.awaits());
   const std::vector<Host> hosts{{NodeId{0}}, {NodeId{1}}, {NodeId{2}}};
   const auto placed = placements.place(hosts, all_live);
@@ -96,7 +96,7 @@ TEST_F(SixTiles, OfANodeThatIsLostBeforeItAnswersAreLostWithIt) {
   placements.ask(NodeId{1});
   EXPECT_EQ(placements.lose(NodeId{1}), 3u);
   EXPECT_FALSE(placements.awaits());
-  EXPECT_FALSE(placements.answer(NodeId{1}, ids({5})));
+  EXPECT_FALSE(placements.take_answer(NodeId{1}, ids({5})));
   EXPECT_EQ(placements.homeless(), ids({3, 4, 5}));
 }
 

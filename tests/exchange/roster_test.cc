@@ -107,14 +107,14 @@ TEST(Roster, CountsTilesOncePerTable) {
 
 TEST(ToldOnce, EachWordOnceUntilItIsForgotten) {
   ToldOnce said;
-  EXPECT_TRUE(said.first(ShareEvent::idle));
-  EXPECT_FALSE(said.first(ShareEvent::idle));
-  EXPECT_TRUE(said.first(ShareEvent::begun));
+  EXPECT_TRUE(said.mark_told(ShareEvent::idle));
+  EXPECT_FALSE(said.mark_told(ShareEvent::idle));
+  EXPECT_TRUE(said.mark_told(ShareEvent::begun));
   said.forget(ShareEvent::idle);
-  EXPECT_TRUE(said.first(ShareEvent::idle));
-  EXPECT_FALSE(said.first(ShareEvent::begun));
+  EXPECT_TRUE(said.mark_told(ShareEvent::idle));
+  EXPECT_FALSE(said.mark_told(ShareEvent::begun));
   said.forget_all();
-  EXPECT_TRUE(said.first(ShareEvent::begun));
+  EXPECT_TRUE(said.mark_told(ShareEvent::begun));
 }
 
 using At = Course::At;

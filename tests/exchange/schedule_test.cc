@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-using Phase = Schedule::Phase;
+using Mode = Schedule::Mode;
 
 ScheduleOptions options(std::uint32_t threads, std::uint64_t memory) {
   return {.threads = threads, .memory_bytes = memory, .begin_bytes = 10, .collect_bytes = 10, .mail_growth = 1};
@@ -27,44 +27,44 @@ std::string granted(Schedule& schedule) {
 TEST(Schedule, GrantsAsManyAsThereAreThreadsAndBeginsEveryTileFirst) {
   Schedule schedule(options(2, 1000), {10, 0, 10, 10});
   EXPECT_EQ(granted(schedule), "begin 0, begin 2");
-  schedule.mail(TileId{3}, {1, 50, 100});
-  schedule.done(TileId{0}, Work::begin, 100, {1, 5, 10});
+  schedule.note_mail(TileId{3}, {1, 50, 100});
+  schedule.note_done(TileId{0}, Work::begin, 100, {1, 5, 10});
   EXPECT_EQ(granted(schedule), "begin 3") << "tile 0 has mail, but not all have begun";
   EXPECT_FALSE(schedule.all_begun());
-  schedule.done(TileId{2}, Work::begin, 100, {});
-  schedule.done(TileId{3}, Work::begin, 100, {1, 50, 100});
+  schedule.note_done(TileId{2}, Work::begin, 100, {});
+  schedule.note_done(TileId{3}, Work::begin, 100, {1, 50, 100});
   EXPECT_TRUE(schedule.all_begun());
   EXPECT_EQ(granted(schedule), "step 3, step 0") << "most mail first";
   EXPECT_FALSE(schedule.idle());
-  schedule.done(TileId{3}, Work::step, 100, {});
-  schedule.done(TileId{0}, Work::step, 100, {});
+  schedule.note_done(TileId{3}, Work::step, 100, {});
+  schedule.note_done(TileId{0}, Work::step, 100, {});
   EXPECT_TRUE(schedule.idle());
 }
 
 TEST(Schedule, AsManyAgainAreGrantedAheadWhereTheyAreSmallAndNothingMustMakeRoom) {
   Schedule small(options(2, 50'000), {10, 10, 10, 10, 10});
   EXPECT_EQ(granted(small), "begin 0, begin 1, begin 2, begin 3");
-  small.done(TileId{1}, Work::begin, 100, {});
+  small.note_done(TileId{1}, Work::begin, 100, {});
   EXPECT_EQ(granted(small), "begin 4");
   Schedule large(options(1, 50'000), {10, 20, 10});
   EXPECT_EQ(granted(large), "begin 0") << "the next takes 200 bytes, more than the 256th part of the memory";
-  large.done(TileId{0}, Work::begin, 100, {});
+  large.note_done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(large), "begin 1, begin 2");
-  for (const std::uint32_t t : {1u, 2u}) large.done(TileId{t}, Work::begin, 100, {1, 5, 10});
-  large.enter(Phase::suspending);
+  for (const std::uint32_t t : {1u, 2u}) large.note_done(TileId{t}, Work::begin, 100, {1, 5, 10});
+  large.enter(Mode::suspending);
   EXPECT_EQ(granted(large), "sleep 0") << "not more at once than there are threads";
   Schedule full(options(1, 50'000), {10, 10, 10});
   EXPECT_EQ(granted(full), "begin 0, begin 1");
-  full.done(TileId{0}, Work::begin, 49'850, {});
+  full.note_done(TileId{0}, Work::begin, 49'850, {});
   EXPECT_EQ(granted(full), "") << "there is no room for one that has no thread";
-  full.done(TileId{1}, Work::begin, 100, {});
+  full.note_done(TileId{1}, Work::begin, 100, {});
   EXPECT_EQ(granted(full), "sleep 0");
 }
 
 TEST(Schedule, AnEmptyUpdateIsProcessedToo) {
   Schedule schedule(options(1, 1000), {10});
   EXPECT_EQ(granted(schedule), "begin 0");
-  schedule.done(TileId{0}, Work::begin, 100, {1, 0, 0});
+  schedule.note_done(TileId{0}, Work::begin, 100, {1, 0, 0});
   EXPECT_FALSE(schedule.idle());
   EXPECT_EQ(granted(schedule), "step 0");
 }
@@ -72,13 +72,13 @@ TEST(Schedule, AnEmptyUpdateIsProcessedToo) {
 TEST(Schedule, MakesRoomByPuttingToSleepNoMoreTilesThanNeeded) {
   Schedule schedule(options(4, 350), {10, 10, 10, 20});
   EXPECT_EQ(granted(schedule), "begin 0, begin 1, begin 2");
-  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::begin, 100, {});
+  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.note_done(TileId{t}, Work::begin, 100, {});
   // 300 held; the fourth wants 200: two must go, and what they free counts once, not again at every call.
   EXPECT_EQ(granted(schedule), "sleep 0, sleep 1");
   EXPECT_EQ(granted(schedule), "");
-  schedule.done(TileId{0}, Work::sleep, 0, {});
+  schedule.note_done(TileId{0}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "");
-  schedule.done(TileId{1}, Work::sleep, 0, {});
+  schedule.note_done(TileId{1}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "begin 3");
   EXPECT_EQ(schedule.memory(), 300u);
   EXPECT_EQ(schedule.asleep(), 2u);
@@ -87,14 +87,14 @@ TEST(Schedule, MakesRoomByPuttingToSleepNoMoreTilesThanNeeded) {
 TEST(Schedule, ATileWithMailSplaysBeforeAnotherIsPutToSleepForOneThatBegins) {
   Schedule schedule(options(1, 250), {10, 10, 10});
   EXPECT_EQ(granted(schedule), "begin 0");
-  schedule.done(TileId{0}, Work::begin, 100, {});
+  schedule.note_done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "begin 1");
-  schedule.mail(TileId{0}, {1, 5, 10});
-  schedule.done(TileId{1}, Work::begin, 100, {1, 5, 10});
+  schedule.note_mail(TileId{0}, {1, 5, 10});
+  schedule.note_done(TileId{1}, Work::begin, 100, {1, 5, 10});
   EXPECT_EQ(granted(schedule), "step 1");
-  schedule.done(TileId{1}, Work::step, 100, {});
+  schedule.note_done(TileId{1}, Work::step, 100, {});
   EXPECT_EQ(granted(schedule), "step 0");
-  schedule.done(TileId{0}, Work::step, 100, {});
+  schedule.note_done(TileId{0}, Work::step, 100, {});
   EXPECT_EQ(granted(schedule), "sleep 0") << "it is farther from tile 2";
 }
 
@@ -108,20 +108,20 @@ TEST(Schedule, TilesAsleepAreWokenInSweepsAlongTheirOrderAndBack) {
     ASSERT_TRUE(permit);
     ASSERT_EQ(permit->work, expected);
     if (expected != Work::sleep) order += std::to_string(permit->tile.value);
-    schedule.done(permit->tile, expected, expected == Work::sleep ? 0 : 100, {});
+    schedule.note_done(permit->tile, expected, expected == Work::sleep ? 0 : 100, {});
   };
   for (int t = 0; t < 5; ++t) {
     if (t > 0) work(Work::sleep);
     work(Work::begin);
   }
   EXPECT_EQ(std::exchange(order, ""), "01234");
-  for (const std::uint32_t t : {0u, 1u, 3u}) schedule.mail(TileId{t}, {1, t, 0});
+  for (const std::uint32_t t : {0u, 1u, 3u}) schedule.note_mail(TileId{t}, {1, t, 0});
   for (int t = 0; t < 2; ++t) {
     work(Work::sleep);
     work(Work::step);
   }
   EXPECT_EQ(std::exchange(order, ""), "31") << "from the last one back";
-  for (const std::uint32_t t : {2u, 4u}) schedule.mail(TileId{t}, {9, 90, 0});
+  for (const std::uint32_t t : {2u, 4u}) schedule.note_mail(TileId{t}, {9, 90, 0});
   for (int t = 0; t < 3; ++t) {
     work(Work::sleep);
     work(Work::step);
@@ -133,19 +133,19 @@ TEST(Schedule, TilesAsleepAreWokenInSweepsAlongTheirOrderAndBack) {
 TEST(Schedule, ATileThatFitsNowhereWorksAloneRatherThanNever) {
   Schedule schedule(options(2, 50), {10, 10});
   EXPECT_EQ(granted(schedule), "begin 0");
-  schedule.done(TileId{0}, Work::begin, 60, {});
+  schedule.note_done(TileId{0}, Work::begin, 60, {});
   EXPECT_EQ(granted(schedule), "sleep 0");
-  schedule.done(TileId{0}, Work::sleep, 0, {});
+  schedule.note_done(TileId{0}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "begin 1");
 }
 
 TEST(Schedule, MailOfTilesThatSleepOrHaveNotBegunIsCounted) {
   Schedule schedule(options(1, 1000), {10, 10});
-  schedule.mail(TileId{1}, {1, 10, 400});
+  schedule.note_mail(TileId{1}, {1, 10, 400});
   EXPECT_EQ(schedule.memory(), 400u);
-  schedule.mail(TileId{1}, {2, 20, 800});
+  schedule.note_mail(TileId{1}, {2, 20, 800});
   EXPECT_EQ(schedule.memory(), 800u);
-  schedule.mail(TileId{1}, {3, 30, 0});  // spilled
+  schedule.note_mail(TileId{1}, {3, 30, 0});  // spilled
   EXPECT_EQ(schedule.memory(), 0u);
 }
 
@@ -153,21 +153,21 @@ TEST(Schedule, CollectsWhatIsInMemoryFirstAndDropsWhatIsStored) {
   Schedule schedule(options(4, 10'000), {10, 10, 10});
   schedule.set_stored(TileId{1});
   EXPECT_EQ(granted(schedule), "begin 0, begin 1, begin 2");
-  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::begin, 100, {});
+  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.note_done(TileId{t}, Work::begin, 100, {});
   EXPECT_TRUE(schedule.idle());
-  schedule.enter(Phase::settling);
+  schedule.enter(Mode::settling);
   EXPECT_EQ(granted(schedule), "settle 0, settle 1, settle 2");
-  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::settle, 100, {});
+  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.note_done(TileId{t}, Work::settle, 100, {});
   EXPECT_TRUE(schedule.idle());
-  schedule.enter(Phase::collecting);
+  schedule.enter(Mode::collecting);
   EXPECT_EQ(granted(schedule), "finish 0, drop 1, finish 2");
-  schedule.done(TileId{1}, Work::drop, 0, {});
-  schedule.done(TileId{0}, Work::finish, 0, {}, 70);
-  schedule.done(TileId{2}, Work::finish, 0, {}, 70);
+  schedule.note_done(TileId{1}, Work::drop, 0, {});
+  schedule.note_done(TileId{0}, Work::finish, 0, {}, 70);
+  schedule.note_done(TileId{2}, Work::finish, 0, {}, 70);
   EXPECT_EQ(schedule.memory(), 140u) << "meshes on their way count";
   EXPECT_FALSE(schedule.idle());
-  schedule.stored(TileId{2});
-  schedule.stored(TileId{0});
+  schedule.note_stored(TileId{2});
+  schedule.note_stored(TileId{0});
   EXPECT_EQ(schedule.memory(), 0u);
   EXPECT_TRUE(schedule.idle());
 }
@@ -175,11 +175,11 @@ TEST(Schedule, CollectsWhatIsInMemoryFirstAndDropsWhatIsStored) {
 TEST(Schedule, NoMoreMeshesWaitForTheDiskThanThereAreThreadsUnlessTheyAreSmall) {
   const auto waiting = [](std::uint64_t mesh_bytes) {
     Schedule schedule(options(1, 16'000), std::vector<std::uint64_t>(12, 10));
-    schedule.enter(Phase::collecting);  // settled before: the tiles are built and collected at once
+    schedule.enter(Mode::collecting);  // settled before: the tiles are built and collected at once
     std::uint32_t n = 0;
     while (const auto permit = schedule.next()) {
       EXPECT_EQ(permit->work, Work::finish);
-      schedule.done(permit->tile, Work::finish, 0, {}, mesh_bytes);
+      schedule.note_done(permit->tile, Work::finish, 0, {}, mesh_bytes);
       ++n;
     }
     return n;
@@ -192,16 +192,16 @@ TEST(Schedule, NoMoreMeshesWaitForTheDiskThanThereAreThreadsUnlessTheyAreSmall) 
 TEST(Schedule, AnInterruptedPartPutsEveryTileToSleepAndNothingElse) {
   Schedule schedule(options(1, 1000), {10, 10, 10});
   EXPECT_EQ(granted(schedule), "begin 0");
-  schedule.done(TileId{0}, Work::begin, 100, {1, 5, 5});
+  schedule.note_done(TileId{0}, Work::begin, 100, {1, 5, 5});
   EXPECT_EQ(granted(schedule), "begin 1");
-  schedule.enter(Phase::suspending);
+  schedule.enter(Mode::suspending);
   EXPECT_EQ(granted(schedule), "");
-  schedule.done(TileId{1}, Work::begin, 100, {});
+  schedule.note_done(TileId{1}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "sleep 1");
-  schedule.done(TileId{1}, Work::sleep, 0, {});
+  schedule.note_done(TileId{1}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "sleep 0");
   EXPECT_FALSE(schedule.idle());
-  schedule.done(TileId{0}, Work::sleep, 0, {1, 5, 5});
+  schedule.note_done(TileId{0}, Work::sleep, 0, {1, 5, 5});
   EXPECT_TRUE(schedule.idle()) << "the third tile need not begin";
 }
 
@@ -210,37 +210,37 @@ TEST(Schedule, AnInterruptedPartLeavesNoMoreImagesThanItMay) {
   few.suspend_bytes = 150;
   Schedule schedule(few, {10, 10, 10});
   EXPECT_EQ(granted(schedule), "begin 0, begin 1");
-  schedule.done(TileId{0}, Work::begin, 100, {});
+  schedule.note_done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "begin 2");
-  schedule.done(TileId{1}, Work::begin, 60, {});
-  schedule.enter(Phase::suspending);
+  schedule.note_done(TileId{1}, Work::begin, 60, {});
+  schedule.enter(Mode::suspending);
   EXPECT_EQ(granted(schedule), "sleep 0");
-  schedule.done(TileId{2}, Work::begin, 50, {});
+  schedule.note_done(TileId{2}, Work::begin, 50, {});
   EXPECT_EQ(granted(schedule), "sleep 2");
-  schedule.done(TileId{0}, Work::sleep, 0, {});
+  schedule.note_done(TileId{0}, Work::sleep, 0, {});
   EXPECT_FALSE(schedule.idle());
-  schedule.done(TileId{2}, Work::sleep, 0, {});
+  schedule.note_done(TileId{2}, Work::sleep, 0, {});
   EXPECT_TRUE(schedule.idle()) << "the tile of 60 bytes is given up";
 }
 
 TEST(Schedule, WhatIsGivenUpIsNotWaitedFor) {
   Schedule schedule(options(2, 1000), {10, 10});
   EXPECT_EQ(granted(schedule), "begin 0, begin 1");
-  schedule.enter(Phase::stopping);
+  schedule.enter(Mode::stopping);
   schedule.abandon(TileId{0});
   EXPECT_FALSE(schedule.idle());
-  schedule.done(TileId{1}, Work::begin, 100, {});
+  schedule.note_done(TileId{1}, Work::begin, 100, {});
   EXPECT_TRUE(schedule.idle());
 }
 
 TEST(Schedule, TilesThatComeLaterBeginBeforeAnybodySplays) {
   Schedule schedule(options(1, 1000), {0, 10, 0});
   EXPECT_EQ(granted(schedule), "begin 1");
-  schedule.done(TileId{1}, Work::begin, 100, {1, 5, 10});
+  schedule.note_done(TileId{1}, Work::begin, 100, {1, 5, 10});
   schedule.add(TileId{0}, 10);
   EXPECT_FALSE(schedule.all_begun());
   EXPECT_EQ(granted(schedule), "begin 0");
-  schedule.done(TileId{0}, Work::begin, 100, {});
+  schedule.note_done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "step 1");
 }
 
@@ -248,10 +248,10 @@ TEST(Schedule, GivesUpTheLastOfTheTilesThatNobodyHasBegun) {
   Schedule schedule(options(1, 1000), {10, 10, 10, 10});
   EXPECT_EQ(granted(schedule), "begin 0");
   EXPECT_EQ(schedule.release(15), (std::vector{TileId{3}, TileId{2}}));
-  schedule.done(TileId{0}, Work::begin, 100, {});
+  schedule.note_done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "begin 1");
   EXPECT_TRUE(schedule.release(15).empty()) << "it has begun";
-  schedule.done(TileId{1}, Work::begin, 100, {});
+  schedule.note_done(TileId{1}, Work::begin, 100, {});
   EXPECT_TRUE(schedule.idle());
   schedule.add(TileId{3}, 10);  // it has come back
   EXPECT_EQ(granted(schedule), "begin 3");
@@ -260,16 +260,16 @@ TEST(Schedule, GivesUpTheLastOfTheTilesThatNobodyHasBegun) {
 TEST(Schedule, WhatWasSettledIsSettledAgainAfterTilesHaveBegunAgain) {
   Schedule schedule(options(2, 1000), {10, 0});
   granted(schedule);
-  schedule.done(TileId{0}, Work::begin, 100, {});
-  schedule.enter(Phase::settling);
+  schedule.note_done(TileId{0}, Work::begin, 100, {});
+  schedule.enter(Mode::settling);
   EXPECT_EQ(granted(schedule), "settle 0");
-  schedule.done(TileId{0}, Work::settle, 100, {});
-  schedule.enter(Phase::exchanging);
+  schedule.note_done(TileId{0}, Work::settle, 100, {});
+  schedule.enter(Mode::exchanging);
   schedule.add(TileId{1}, 10);
   EXPECT_EQ(granted(schedule), "begin 1");
-  schedule.done(TileId{1}, Work::begin, 100, {});
+  schedule.note_done(TileId{1}, Work::begin, 100, {});
   EXPECT_TRUE(schedule.idle());
-  schedule.enter(Phase::settling);
+  schedule.enter(Mode::settling);
   EXPECT_EQ(granted(schedule), "settle 0, settle 1");
 }
 
@@ -278,18 +278,18 @@ TEST(Schedule, TilesAsleepAreWokenToBeSettledWhereImagesAreNoUse) {
   how.settle_asleep = true;
   Schedule schedule(how, {10, 10});
   EXPECT_EQ(granted(schedule), "begin 0");
-  schedule.done(TileId{0}, Work::begin, 100, {});
+  schedule.note_done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "sleep 0");
-  schedule.done(TileId{0}, Work::sleep, 0, {});
+  schedule.note_done(TileId{0}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "begin 1");
-  schedule.done(TileId{1}, Work::begin, 100, {});
-  schedule.enter(Phase::settling);
+  schedule.note_done(TileId{1}, Work::begin, 100, {});
+  schedule.enter(Mode::settling);
   EXPECT_EQ(granted(schedule), "settle 1") << "first what is in memory";
-  schedule.done(TileId{1}, Work::settle, 100, {});
+  schedule.note_done(TileId{1}, Work::settle, 100, {});
   EXPECT_EQ(granted(schedule), "sleep 1");
-  schedule.done(TileId{1}, Work::sleep, 0, {});
+  schedule.note_done(TileId{1}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "settle 0");
-  schedule.done(TileId{0}, Work::settle, 100, {});
+  schedule.note_done(TileId{0}, Work::settle, 100, {});
   EXPECT_TRUE(schedule.idle());
 }
 
@@ -301,12 +301,12 @@ TEST(Schedule, ManyTilesCostLittle) {
     const auto permit = schedule.next();
     ASSERT_TRUE(permit);
     const bool begins = permit->work == Work::begin;
-    schedule.done(permit->tile, permit->work, 10, begins ? Schedule::Waiting{1, 3, 120} : Schedule::Waiting{});
+    schedule.note_done(permit->tile, permit->work, 10, begins ? Schedule::Waiting{1, 3, 120} : Schedule::Waiting{});
   };
   for (std::uint32_t t = 0; t < tiles; ++t) work_once();
   EXPECT_TRUE(schedule.all_begun());
   for (int round = 0; round < 20; ++round) {
-    for (std::uint32_t t = 0; t < tiles; ++t) schedule.mail(TileId{t}, {2, t + 1u, 40});
+    for (std::uint32_t t = 0; t < tiles; ++t) schedule.note_mail(TileId{t}, {2, t + 1u, 40});
     for (std::uint32_t t = 0; t < tiles; ++t) work_once();
   }
   EXPECT_TRUE(schedule.idle());

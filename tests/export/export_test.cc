@@ -112,7 +112,7 @@ TEST(Export, TilesThatAreNotWhatTheManifestCountsAreCorrupt) {
           "numbers of vertices or cells than the manifest says");
   refused([](Manifest& m) { --m.tiles[3].main_cells, --m.cells; },
           "numbers of vertices or cells than the manifest says");
-  refused([](Manifest& m) { ++m.cells; }, "but of its tiles");
+  refused([](Manifest& m) { ++m.cells; }, "but its list of tiles counts");
 }
 
 TEST(Export, StopsWhenAskedAndLeavesNothing) {

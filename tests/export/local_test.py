@@ -69,7 +69,7 @@ class Local(ExportTest):
         self.stored(self.cloud(), "--dim", "2")
         before = self.files()
         for name in ("a.vtu", "a.gpkg", "a.xml", "a.msh"):
-            self.refused(USAGE, "export", self.out, "-o", name, "--local", says="--local: is for ply, obj, off and stl")
+            self.refused(USAGE, "export", self.out, "-o", name, "--local", says="--local: works only with ply, obj, off and stl")
         self.assertEqual(self.files(), before)
 
 

@@ -93,7 +93,7 @@ TEST_F(Files, WhatIsNoRegularFileIsRefusedAtOnce) {
   for (const auto& path : {pipe, device, empty}) {
     refused(read_whole(path), path);
     refused(checksum_file(path), path);
-    refused(checksum_file(path, SumOf::pieces), path);
+    refused(checksum_file(path, ChecksumOf::pieces), path);
     refused(MappedFile::open(path), path);
     refused(DiskFile::open(path, DiskFile::Mode::read), path);
     refused(read_frame(path, ScratchKind::state, {}), path);
@@ -190,8 +190,8 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            points_file("r", {1, 42}),
                            attributes_file("r", {1, 42}),
                            routing_file("r"),
-                           stretches_folder("r"),
-                           stretch_file("r", 42),
+                           routed_splits_folder("r"),
+                           routed_split_file("r", 42),
                            settled_file("r", NodeId{3}),
                            settled_marker("r")};
   std::size_t expected = 21;

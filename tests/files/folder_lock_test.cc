@@ -131,9 +131,11 @@ TEST_F(Lock, ThatIsLostIsToldAndItsNewOwnersIsLeftAlone) {
     fs::rename(owner_file(), taken);
     for (const Status& held : {check_held(lock.value().file()), lock.value().check(), lock.value().heard()}) {
       EXPECT_EQ(held.error().code, Errc::io);
-      EXPECT_EQ(held.error().where, folder().string() +
-                                        ": was silent for so long that another process has taken its lock: process " +
-                                        std::to_string(::getpid()) + " on node-7");
+      EXPECT_EQ(
+          held.error().where,
+          folder().string() +
+              ": this process was silent for so long that another process has taken the lock of the folder: process " +
+              std::to_string(::getpid()) + " on node-7");
     }
     return taken;
   }();

@@ -116,8 +116,8 @@ TEST_F(Frame, OfOlderSoftwareIsCorrupt) {
     ASSERT_TRUE(write_whole(path(), bytes));
     const auto read = read_frame(path(), kind, owner);
     expect_corrupt(read, path(), payload);
-    EXPECT_NE(read.error().where.find("older software"), std::string::npos) << read.error().where;
-    EXPECT_TRUE(places_of_frames(path(), kind).value().empty());
+    EXPECT_NE(read.error().where.find("an older version of Tessera"), std::string::npos) << read.error().where;
+    EXPECT_TRUE(frame_offsets(path(), kind).value().empty());
   }
 }
 

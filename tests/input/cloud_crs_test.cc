@@ -59,7 +59,7 @@ TEST(CloudCrs, TheSystemWithHeightsIsTakenAndOthersThatLackThemAreAWarning) {
 
 TEST(CloudCrs, KeysThatAreNotUnderstoodAreAWarning) {
   auto vague = file("a.las", "");
-  vague.crs_note = "its GeoTIFF keys are not understood: they name no system";
+  vague.crs_note = "its GeoTIFF keys are not understood: the keys name no coordinate system";
   EXPECT_EQ(warnings(settle_crs({vague}, "").value()), "a.las: " + vague.crs_note + "\n");
 }
 

@@ -91,7 +91,7 @@ TEST_F(CloudOfFiles, RefusesAnUnreadableFile) {
   }
   // Nobody does not get through to root's folder, either.
   EXPECT_EQ(sentence(refused),
-            at("secret.xyz") + (root ? ": cannot be looked at" : ": cannot be opened") + ": Permission denied");
+            at("secret.xyz") + (root ? ": cannot be examined" : ": cannot be opened") + ": Permission denied");
   EXPECT_EQ(refused.error().code, Errc::io);
 }
 

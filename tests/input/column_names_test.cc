@@ -68,7 +68,7 @@ TEST(ColumnNames, NameTheColumnsOfArraysToo) {
   EXPECT_EQ(cell<std::uint8_t>(read.value(), schema, 1, 0), 8);
   EXPECT_EQ(read.value().info.columns->numbers, (std::vector<std::size_t>{3, 2, 4}));
   EXPECT_EQ(sentence(read_bytes(bytes, "a.npy", {}, {.columns = {"x", "y", "_", "_", "z"}})),
-            "a.npy: has 4 columns, and columns names 5");
+            "a.npy: has 4 columns, but columns names 5");
 }
 
 TEST(ColumnNames, ThatMakeNoPointsAreRefused) {
@@ -82,7 +82,7 @@ TEST(ColumnNames, ThatMakeNoPointsAreRefused) {
   EXPECT_EQ(refusal({"x", "", "y"}), "a name is empty; _ leaves a column out");
   EXPECT_EQ(refusal(Names(5000, "_")), "there are more than 4096 names");
   EXPECT_EQ(sentence(read_named("1,2,3\n", {"p", "x", "y", "z", "_"})),
-            "a.csv, line 1: has 3 columns, and columns names 4");
+            "a.csv, line 1: has 3 columns, but columns names 4");
   EXPECT_EQ(sentence(read_named("1,2,3\n4,five,6\n", {"x", "y"})), "a.csv, line 2: y is 'five', not a number");
 }
 

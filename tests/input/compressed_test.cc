@@ -125,7 +125,7 @@ TEST_P(Compressed, FilesWithSomethingBehindThemAreRefused) {
   for (const char* what : {"x", "garbage", "\x1fz", "(\xb5/"}) {
     EXPECT_EQ(sentence(read_packed(whole + bytes_of(what), called("a.xyz"))),
               called("a.xyz") + ": its " + GetParam().name + " stream ends at byte " + std::to_string(whole.size()) +
-                  ", and what follows is none; the file is damaged or not only " + GetParam().name);
+                  ", but the bytes after it are not such a stream; the file is damaged or not only " + GetParam().name);
   }
 }
 
@@ -218,7 +218,7 @@ TEST(Spooled, UnpacksNoMoreThanItMay) {
   const auto third = enough.unpacked(memory_source("c.xyz.gz", gzip(bytes)));
   ASSERT_TRUE(third.has_error());
   EXPECT_EQ(third.error().code, Errc::memory);
-  EXPECT_EQ(third.error().where.find("c.xyz.gz: holds more than may be unpacked here"), 0u);
+  EXPECT_EQ(third.error().where.find("c.xyz.gz: is too large to unpack here"), 0u);
 }
 
 TEST(Spooled, LeavesNothingInItsFolderAndSaysWhenThereIsNone) {

@@ -175,7 +175,7 @@ TEST(LasReader, TextThatIsNoSystemCountsAsNoneWithANote) {
   file.records.push_back({"LASF_Projection", 2112, bytes_of(std::string("''\0", 3))});
   const auto info = read_bytes(file.bytes(), "a.las").value().info;
   EXPECT_EQ(info.crs, "");
-  EXPECT_EQ(info.crs_note, "its well-known text is not understood: '' is no coordinate system");
+  EXPECT_EQ(info.crs_note, "its well-known text is not understood: '' is not a coordinate system");
   Bytes keys;
   for (const int v : {1, 1, 0, 3, 1024, 0, 1, 1, 2048, 0, 1, 4171, 3072, 0, 1, 2154})
     push(keys, static_cast<std::uint16_t>(v));
@@ -235,7 +235,7 @@ TEST(LasReader, NamesTheRecordAtWhichAFileEnds) {
   auto bytes = small_file(2, 0, 0).bytes();
   bytes.resize(bytes.size() - 25);  // all of record 2 and the end of record 1
   EXPECT_EQ(sentence(read_bytes(bytes, "a.las")),
-            "a.las, record 1: the file ends before or within it, but its header promises 3 records");
+            "a.las, record 1: the file ends before or within this record, but its header promises 3 records");
 }
 
 struct Wrong {

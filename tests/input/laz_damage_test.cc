@@ -93,7 +93,7 @@ TEST(DamagedLaz, CutOffInTheMiddleSaysWhere) {
   auto bytes = file_bytes(clouds / "autzen_trim.laz");
   bytes.resize(bytes.size() / 2);
   EXPECT_EQ(sentence(read_bytes(bytes, "b.laz")),
-            "b.laz, chunk table: would stand at byte 603333 of 301676; the file was cut off, or its writer did not "
+            "b.laz, chunk table: would be at byte 603333 of 301676; the file was cut off, or its writer did not "
             "finish it");
 }
 
@@ -159,7 +159,7 @@ TEST(Laz, RefusesAbsurdHeaders) {
       {{"4 billion points", 107, raw<std::uint32_t>(0xFFFFFFFF), "its compressed bytes end before its points do"},
        {"other format", 104, raw<std::uint8_t>(0x80), "LASzip record: lists item type 7 with 8 bytes where type 0"},
        {"extra bytes", 105, raw<std::uint16_t>(65535), "LASzip record: lists 2 items, not the 3"},
-       {"waveforms", 104, raw<std::uint8_t>(0x84), "claim 28 bytes, format 4 has at least 57"}},
+       {"waveforms", 104, raw<std::uint8_t>(0x84), "claim 28 bytes, but those of format 4 have at least 57"}},
       false);
   expect_refused(
       "pdrf7-v4-1.4.laz",

@@ -32,7 +32,7 @@ inline Result<Records> read_records(std::unique_ptr<ByteSource> source, std::siz
   BOOST_OUTCOME_TRY(header, read_las_header(*source));
   std::unique_ptr<RecordSource> stream;
   if (header.compressed) {
-    laz::RecordPlan plan{.record_bytes = header.record_bytes, .wanted = std::vector<bool>(header.record_bytes)};
+    laz::WantedFields plan{.record_bytes = header.record_bytes, .wanted = std::vector<bool>(header.record_bytes)};
     std::fill_n(plan.wanted.begin(), std::min<std::size_t>(wanted_bytes, header.record_bytes), true);
     BOOST_OUTCOME_TRY(opened, laz::open_laz_records(std::move(source), header, std::move(plan), hints));
     stream = std::move(opened.records);

@@ -199,7 +199,7 @@ TEST(LazVersion1, MayAlsoBeARecordThatSaysThatNothingIsCompressed) {
   EXPECT_EQ(read.value().size(), 5u);
   EXPECT_EQ(read.value().bytes, plain.value().bytes);
   EXPECT_EQ(sentence(read_records(memory_source("a.laz", with_count(file, 6)), all_fields)),
-            "a.laz, record 5: the file ends before or within it, but its header promises 6 records");
+            "a.laz, record 5: the file ends before or within this record, but its header promises 6 records");
 }
 
 TEST(LazVersion1, GivesBackChunksOfOneSizeAndOfSeveral) {

@@ -66,7 +66,8 @@ TEST(ObjReader, IsKnownByItsFirstVertexWhateverItsName) {
 
 TEST(ObjReader, RefusesVerticesItDoesNotUnderstand) {
   EXPECT_EQ(refusal("v 1 2\n"),
-            "a.obj, line 1: has 2 numbers; a vertex has x, y and z, perhaps a weight, perhaps a colour of 3");
+            "a.obj, line 1: has 2 numbers; a vertex has x, y and z, then a weight or nothing, then a colour of 3 "
+            "numbers or nothing");
   EXPECT_NE(refusal("v 0 0 0\nv 1 2 3 4 5\n").find("a.obj, line 2: has 5 numbers"), std::string::npos);
   EXPECT_NE(refusal("v 0 0 0\nv 1 2 3 1 5 6 7 8\n").find("a.obj, line 2: has 8 numbers"), std::string::npos);
   EXPECT_EQ(refusal("v 1 2 x3\n"), "a.obj, line 1: z is 'x3', not a number");

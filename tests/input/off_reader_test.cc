@@ -37,7 +37,7 @@ TEST(OffReader, IsKnownByItsFirstWordWhateverItsName) {
   EXPECT_EQ(read_text("OFFSET 1 2\n3 4 5\n", "a.txt").value().info.format, "xyz");
   EXPECT_EQ(refusal("1.5 2 3\n4 5 6\n"), "a.off, line 1: '1.5' is not a number of vertices, faces or edges");
   EXPECT_EQ(refusal("off\n1 0 0\n1 2 3\n"),
-            "a.off, line 1: begins with 'off', but an OFF file with OFF, COFF, NOFF or STOFF");
+            "a.off, line 1: begins with 'off', but an OFF file begins with OFF, COFF, NOFF or STOFF");
 }
 
 TEST(OffReader, NormalsColoursAndTextureCoordinatesBecomeAttributes) {
@@ -77,19 +77,20 @@ TEST(OffReader, RefusesHeadersThatLieOrCannotBeUnderstood) {
   EXPECT_EQ(refusal("OFF\n99999999999999999999 0 0\n"),
             "a.off, line 2: '99999999999999999999' is not a number of vertices, faces or edges");
   EXPECT_EQ(refusal("OFF\n3 1 0 0 0 0\n"),
-            "a.off, line 2: has 6 words where the numbers of vertices, faces and edges should stand");
+            "a.off, line 2: has 6 words where the numbers of vertices, faces and edges are expected");
   EXPECT_EQ(refusal("OFF 18446744073709551615 0 0\n1 2 3\n"),
             "a.off, line 1: promises 18446744073709551615 vertices, more than the file can hold");
   EXPECT_EQ(refusal("OFF\n4 1 0\n" + lines + faces),
-            "a.off, line 6: a vertex has 3 numbers here, a line for itself; this line has 4");
+            "a.off, line 6: a vertex is a line of 3 numbers in this file, but this line has 4");
   EXPECT_EQ(refusal("OFF\n4 0 0\n" + lines), "a.off, line 6: the file ends after 3 of 4 vertices");
   EXPECT_EQ(refusal("OFF\n2 0 0\n0 0 0\n1 2 abc\n"), "a.off, line 4: z is 'abc', not a number");
   EXPECT_EQ(refusal("OFF\n2 0 0\n0 0 0 255 0 0\n1 1 1 255 0 0\n"),
-            "a.off, line 3: a vertex has 3 numbers here, a line for itself; this line has 6");
+            "a.off, line 3: a vertex is a line of 3 numbers in this file, but this line has 6");
   EXPECT_EQ(refusal("COFF\n2 0 0\n0 0 0 9 9 9 9\n1 1 1 9 9 9\n"),
-            "a.off, line 4: a vertex has 7 numbers here, a line for itself; this line has 6");
-  EXPECT_EQ(sentence(read_bytes(Bytes(300), "a.off")), "a.off, line 1: begins with '" + std::string(40, '?') +
-                                                           "...', but an OFF file with OFF, COFF, NOFF or STOFF");
+            "a.off, line 4: a vertex is a line of 7 numbers in this file, but this line has 6");
+  EXPECT_EQ(sentence(read_bytes(Bytes(300), "a.off")),
+            "a.off, line 1: begins with '" + std::string(40, '?') +
+                "...', but an OFF file begins with OFF, COFF, NOFF or STOFF");
 }
 
 TEST(OffReader, RefusesEveryTruncationBeforeTheFaces) {

@@ -148,7 +148,7 @@ TEST(PlyReader, RefusesHeadersItDoesNotUnderstand) {
   EXPECT_EQ(refusal(begin + "element vertex 1\nproperty float x\n" + end), "a.ply: the vertices have no property 'y'");
   EXPECT_EQ(refusal(begin + "nonsense\n" + end), "a.ply, line 3: 'nonsense' is not a PLY header line");
   EXPECT_EQ(refusal(begin + "element vertex 18446744073709551615\nproperty float x\nproperty float y\n" + end),
-            "a.ply: ends within the 18446744073709551615 elements 'vertex'");
+            "a.ply: the file ends within the 18446744073709551615 elements 'vertex'");
 }
 
 TEST(PlyReader, RefusesBodiesThatContradictTheHeader) {
@@ -173,8 +173,8 @@ TEST(PlyReader, RefusesBodiesThatContradictTheHeader) {
     return sentence(read_bytes(b, "a.ply"));
   };
   EXPECT_EQ(with_length(2), "");
-  EXPECT_EQ(with_length(-1), "a.ply: ends within the 1 elements 'face'");
-  EXPECT_EQ(with_length(INT32_MAX), "a.ply: ends within the 1 elements 'face'");
+  EXPECT_EQ(with_length(-1), "a.ply: the file ends within the 1 elements 'face'");
+  EXPECT_EQ(with_length(INT32_MAX), "a.ply: the file ends within the 1 elements 'face'");
 }
 
 }  // namespace

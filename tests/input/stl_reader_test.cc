@@ -125,17 +125,17 @@ TEST(StlReader, RefusesEveryTruncationOfText) {
 TEST(StlReader, RefusesTextThatIsNoStl) {
   const std::string begin = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
   const std::string end = "endloop\nendfacet\nendsolid\n";
-  EXPECT_EQ(refusal(begin + end), "a.stl, line 6: is 'endloop' where 'vertex' should stand");
+  EXPECT_EQ(refusal(begin + end), "a.stl, line 6: 'endloop' stands where 'vertex' is expected");
   EXPECT_EQ(refusal(begin + "vertex 1 1\n" + end), "a.stl, line 7: z is 'endloop', not a number");
   EXPECT_EQ(refusal(begin + "vertex 1 1 a\n" + end), "a.stl, line 6: z is 'a', not a number");
   EXPECT_EQ(refusal(begin + "vertex 1 1 1\nvertex 2 2 2\n" + end),
-            "a.stl, line 7: is 'vertex' where 'endloop' should stand");
-  EXPECT_EQ(refusal(begin + "vertex 1 1 1 1\n" + end), "a.stl, line 6: is '1' where 'endloop' should stand");
+            "a.stl, line 7: 'vertex' stands where 'endloop' is expected");
+  EXPECT_EQ(refusal(begin + "vertex 1 1 1 1\n" + end), "a.stl, line 6: '1' stands where 'endloop' is expected");
   EXPECT_EQ(refusal(begin + "vertex 1 1 1\nendloop\nendfacet\n"), "a.stl, line 9: the file ends within a solid");
   EXPECT_EQ(refusal(begin + "vertex 1 1 1\n" + end + "facet\n"),
-            "a.stl, line 10: is 'facet' where 'solid' should stand");
+            "a.stl, line 10: 'facet' stands where 'solid' is expected");
   EXPECT_EQ(refusal(std::string("solid a\nvertex 1 2 3\n")),
-            "a.stl, line 2: is 'vertex' where 'facet' or 'endsolid' should stand");
+            "a.stl, line 2: 'vertex' stands where 'facet' or 'endsolid' is expected");
 }
 
 TEST(StlReader, PassesNumbersThatAreNotFiniteOnWithTheirPlace) {

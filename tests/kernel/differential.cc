@@ -119,7 +119,7 @@ std::string wrong_structure(const Kernel& kernel, const CellView& live, const Ce
 // A facet that both cells of it do not name becomes one of no cell.
 CellList listed(const FinalCells& finals, std::size_t corners) {
   CellList list;
-  const CellRows& rows = finals.rows;
+  const CellRecords& rows = finals.rows;
   for (std::uint32_t r = 0; r < rows.size(); ++r) {
     for (std::uint32_t i = 0; i < corners; ++i) {
       const std::uint32_t n = rows[r].neighbors[i];

@@ -227,7 +227,7 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
       return x - r > 3 && x + r < 10 && y - r > 1 && y + r < 9;
     };
     const FinalCells finals = kernel->freeze(is_final);
-    const CellRows& frozen = finals.rows;
+    const CellRecords& frozen = finals.rows;
     std::ptrdiff_t open = 0;
     for (std::uint32_t f = 0; f < 3 * frozen.size(); ++f) {
       const std::uint32_t next = frozen[f / 3].neighbors[f % 3];

@@ -22,7 +22,7 @@ namespace tessera::testing {
 namespace {
 
 using boost::multiprecision::cpp_rational;
-using exact::Stage;
+using exact::PredicateStage;
 using Rng = std::mt19937_64;
 using Matrix = std::vector<std::vector<cpp_rational>>;
 
@@ -88,7 +88,7 @@ using InSphere3 = Subject<5, 3, true, exact::in_sphere_3_staged, exact::in_spher
 
 // Checks value and antisymmetry under each swap, and counts the stages.
 template <class Predicate>
-void check(std::array<Point, Predicate::n> p, std::map<Stage, int>& stages) {
+void check(std::array<Point, Predicate::n> p, std::map<PredicateStage, int>& stages) {
   const int expected = Predicate::expected(p);
   const exact::Staged staged = Predicate::staged(p);
   ++stages[staged.stage];
@@ -108,8 +108,8 @@ class ExactPredicate : public ::testing::Test {
  protected:
   using Points = std::array<Point, Predicate::n>;
   template <class Coordinate>
-  std::map<Stage, int> check_many(int rounds, Coordinate&& coordinate) {
-    std::map<Stage, int> stages;
+  std::map<PredicateStage, int> check_many(int rounds, Coordinate&& coordinate) {
+    std::map<PredicateStage, int> stages;
     for (int round = 0; round < rounds && !this->HasFatalFailure(); ++round) {
       Points p;
       for (Point& q : p) {
@@ -139,27 +139,28 @@ TYPED_TEST_SUITE(ExactPredicate, Predicates, Names);
 
 TYPED_TEST(ExactPredicate, IsDecidedByTheFilterForPointsInGeneralPosition) {
   auto stages = this->check_many(2000, [&](int) { return this->unit(); });
-  EXPECT_EQ(stages[Stage::filter], 2000);
+  EXPECT_EQ(stages[PredicateStage::filter], 2000);
 }
 
 TYPED_TEST(ExactPredicate, IsDecidedByTheFilterNearlyAlwaysOnCentimetresFarFromTheOrigin) {
   auto stages = this->check_many(2000, [&](int k) { return (k == 0 ? 6.8e6 : 3e5) + this->below(200) * 0.01; });
-  EXPECT_GT(stages[Stage::filter], 1950);
-  EXPECT_EQ(stages[Stage::wide] + stages[Stage::big], 0);
+  EXPECT_GT(stages[PredicateStage::filter], 1950);
+  EXPECT_EQ(stages[PredicateStage::wide] + stages[PredicateStage::big], 0);
 }
 
 TYPED_TEST(ExactPredicate, IsDecidedInIntegersForTiesOfMillimetresFarFromTheOrigin) {
   // Steps of 1e-3 around 6.8e6, few of them: repeated coordinates make true ties.
   auto stages = this->check_many(2000, [&](int) { return 6.8e6 + this->below(3) * 1e-3; });
-  EXPECT_GT(stages[TypeParam::n > 3 ? Stage::integer : Stage::lattice], 50);  // 22 bits: enough for areas in doubles
-  EXPECT_EQ(stages[Stage::wide] + stages[Stage::big], 0);
+  EXPECT_GT(stages[TypeParam::n > 3 ? PredicateStage::integer : PredicateStage::lattice],
+            50);  // 22 bits: enough for areas in doubles
+  EXPECT_EQ(stages[PredicateStage::wide] + stages[PredicateStage::big], 0);
 }
 
 TYPED_TEST(ExactPredicate, IsDecidedWithoutRoundingForTiesOfASmallLattice) {
   for (const double step : {1.0, 0x1p-100, 0x1p140}) {
     auto stages = this->check_many(2000, [&](int) { return step * this->below(3); });
-    EXPECT_GT(stages[Stage::lattice], 300);
-    EXPECT_EQ(stages[Stage::filter] + stages[Stage::lattice], 2000);
+    EXPECT_GT(stages[PredicateStage::lattice], 300);
+    EXPECT_EQ(stages[PredicateStage::filter] + stages[PredicateStage::lattice], 2000);
   }
 }
 
@@ -167,15 +168,15 @@ TYPED_TEST(ExactPredicate, IsDecidedInWideIntegersForTiesWhoseDifferencesAreRoun
   // 1 and 2^-60 have no exact difference; copies of both axes make ties.
   const std::array<double, 4> values{1, 0x1p-60, 1 + 0x1p-52, -0x1.8p-61};
   auto stages = this->check_many(2000, [&](int) { return values[this->below(4)]; });
-  EXPECT_GT(stages[Stage::wide], 100);
-  EXPECT_EQ(stages[Stage::big], 0);
+  EXPECT_GT(stages[PredicateStage::wide], 100);
+  EXPECT_EQ(stages[PredicateStage::big], 0);
 }
 
 // Any finite double: one product exceeds all others by far.
 TYPED_TEST(ExactPredicate, IsDecidedWithExponentsOfAnySizeForPointsThatHaveThem) {
   auto stages = this->check_many(80, [&](int) { return this->of_any_exponent(); });
-  EXPECT_GT(stages[Stage::any_exponent], TypeParam::n > 3 ? 50 : 30);
-  EXPECT_EQ(stages[Stage::big], 0);
+  EXPECT_GT(stages[PredicateStage::any_exponent], TypeParam::n > 3 ? 50 : 30);
+  EXPECT_EQ(stages[PredicateStage::big], 0);
 }
 
 TYPED_TEST(ExactPredicate, IsDecidedWithExponentsOfAnySizeForExponentialSpacing) {
@@ -183,8 +184,8 @@ TYPED_TEST(ExactPredicate, IsDecidedWithExponentsOfAnySizeForExponentialSpacing)
     const double v = std::exp(this->unit() * 600 - 300);
     return this->below(2) ? v : -v;
   });
-  EXPECT_GT(stages[Stage::any_exponent], TypeParam::n > 3 ? 40 : 3);
-  EXPECT_LT(stages[Stage::big], 5);
+  EXPECT_GT(stages[PredicateStage::any_exponent], TypeParam::n > 3 ? 40 : 3);
+  EXPECT_LT(stages[PredicateStage::big], 5);
 }
 
 // A coordinate that two points have in common, and products that differ by one unit in the last place: what exponents
@@ -205,23 +206,23 @@ TYPED_TEST(ExactPredicate, IsDecidedByAxisForALatticeInAPlaneAndPointsThatAreHar
   for (const double height : {1e-300, 1e300, 5e-324}) {
     auto stages = this->check_many(
         200, [&](int k) { return k == TypeParam::dimension - 1 ? height * this->below(2) : 1.0 * this->below(6); });
-    EXPECT_GT(stages[Stage::axes], 5);
-    EXPECT_EQ(stages[Stage::big], 0);
+    EXPECT_GT(stages[PredicateStage::axes], 5);
+    EXPECT_EQ(stages[PredicateStage::big], 0);
   }
 }
 
 TYPED_TEST(ExactPredicate, IsDecidedInBigIntegersWhenMagnitudesAreFarApart) {
   const std::array<double, 6> values{1e300, 1e-300, 0, -1e300, 1, -1e-300};
   auto stages = this->check_many(200, [&](int) { return values[this->below(6)]; });
-  EXPECT_GT(stages[Stage::big], 15);
+  EXPECT_GT(stages[PredicateStage::big], 15);
 }
 
 TYPED_TEST(ExactPredicate, IsExactForDenormalsAndZerosOfBothSigns) {
   constexpr double least = std::numeric_limits<double>::denorm_min();
   const std::array<double, 6> values{0.0, -0.0, least, -least, 3 * least, std::numeric_limits<double>::min()};
   auto stages = this->check_many(1000, [&](int) { return values[this->below(6)]; });
-  EXPECT_EQ(stages[Stage::filter], 0);
-  EXPECT_GT(stages[Stage::integer], 500);
+  EXPECT_EQ(stages[PredicateStage::filter], 0);
+  EXPECT_GT(stages[PredicateStage::integer], 500);
 }
 
 TYPED_TEST(ExactPredicate, IsExactAtTheEndsOfTheExponentRange) {
@@ -244,7 +245,7 @@ TYPED_TEST(ExactPredicate, IsExactAtTheEndOfTheLatticeStage) {
   for (int bits = 8; bits < 28; ++bits) {
     const double side = std::ldexp(1, bits);
     auto stages = this->check_many(100, [&](int) { return this->below(2) ? side - this->below(2) : this->below(2); });
-    EXPECT_EQ(stages[Stage::wide] + stages[Stage::big], 0);
+    EXPECT_EQ(stages[PredicateStage::wide] + stages[PredicateStage::big], 0);
   }
 }
 

@@ -146,7 +146,7 @@ class Options(unittest.TestCase):
                                     (dict(resolution=-1), "^resolution is -1"),
                                     (dict(columns="x,y"), "^columns are for files: choose and order"),
                                     (dict(keep="lowest"), "^keep='lowest': chooses among points of equal x and y"),
-                                    (dict(dim=2, keep="both"), "^keep: 'both' is none of"),
+                                    (dict(dim=2, keep="both"), "^keep: 'both' is not one of"),
                                     (dict(resume=True), "^resume: ")):
             with self.subTest(**arguments), self.assertRaisesRegex(tessera.UsageError, sentence):
                 tessera.triangulate(points, **arguments)

@@ -55,7 +55,7 @@ class Kept(unittest.TestCase):
                     np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
                 np.testing.assert_array_equal(one.attributes["mass"], other.attributes["mass"])
             kept.verify()
-            with self.assertRaisesRegex(tessera.UsageError, "^store: 'half' is none of auto, cells and points"):
+            with self.assertRaisesRegex(tessera.UsageError, "^store: 'half' is not one of auto, cells and points"):
                 tessera.triangulate(points, store="half")
 
 

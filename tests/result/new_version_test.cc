@@ -240,7 +240,7 @@ TEST_F(Versions, ADamagedColumnOfATileKeptAsPointsIsToldWithItsPlace) {
     auto bad = good;
     bad[at] ^= std::byte{1};
     ASSERT_TRUE(write_whole(path, bad));
-    manifest.tiles[0].xxh3 = checksum_file(path, SumOf::pieces).value();
+    manifest.tiles[0].xxh3 = checksum_file(path, ChecksumOf::pieces).value();
     ASSERT_TRUE(write_whole(manifest_file(out_), store::manifest_to_text(manifest)));
     EXPECT_EQ(verified(), path.string() + ", " + head.place(column) + ", block 0: is damaged");
   }
@@ -288,7 +288,7 @@ TEST_F(Versions, WithoutSecondNamesForFilesACopyIsKeptAndNothingIsRemoved) {
 TEST_F(Versions, AStrangeTileFileIsDamageStill) {
   add("a", 100);
   fs::copy_file(out_ / "tiles/000000.vtu", out_ / "tiles/000007.vtu");
-  EXPECT_NE(verified().find("000007.vtu: is no tile of the manifest"), std::string::npos) << verified();
+  EXPECT_NE(verified().find("000007.vtu: is not a tile of the manifest"), std::string::npos) << verified();
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ class TileSourceOf : public testing::TestWithParam<int> {
     manifest_ = store_sample(folder_.path(), meshes_, options_);
   }
   // The manifest with a lie in it.
-  std::string read_with(const std::function<void(Manifest&)>& lie, const TileParts& parts = {}) {
+  std::string read_with(const std::function<void(Manifest&)>& lie, const TileFields& parts = {}) {
     Manifest changed = manifest_;
     lie(changed);
     EXPECT_TRUE(write_whole(manifest_file(folder_.path()), store::manifest_to_text(changed)));
@@ -75,7 +75,7 @@ TEST_P(TileSourceOf, ATileThatIsNotWhatTheManifestSaysIsCorrupt) {
   EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].cells; }), numbers));
   EXPECT_TRUE(says(read_with([](Manifest& m) { --m.tiles[1].main_cells; }), numbers));
   EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].own_points; }, {.cells = false}), numbers));
-  EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].bytes; }), "bytes, the manifest says"));
+  EXPECT_TRUE(says(read_with([](Manifest& m) { ++m.tiles[1].bytes; }), "bytes, but the manifest says"));
   EXPECT_TRUE(says(read_with([](Manifest& m) { m.neighbors = false; }), "neighbours"));
   EXPECT_TRUE(says(read_with([](Manifest& m) { m.schema[0].name = "other"; }), "attributes"));
   EXPECT_EQ(read_with([](Manifest& m) { ++m.tiles[1].cells; }, {.cells = false}), "") << "nobody asked for them";

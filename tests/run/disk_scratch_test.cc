@@ -120,7 +120,9 @@ TEST_F(LockedScratch, TouchesNothingOnceTheLockIsAnothers) {
   const auto before = files();
   const auto refused = [&](const auto& result) {
     return !result && result.error().code == Errc::io &&
-           result.error().where == out().string() + ": was silent for so long that another process has taken its lock";
+           result.error().where ==
+               out().string() +
+                   ": this process was silent for so long that another process has taken the lock of the folder";
   };
   EXPECT_TRUE(refused(storage_->write(tile, ScratchKind::finals, bytes_)));
   EXPECT_TRUE(refused(storage_->write(tile, ScratchKind::settled, bytes_)));

@@ -29,7 +29,7 @@ TEST(Routing, NodesReadColumnsByTheirNames) {
   fs::create_directory(folder / "stretches");
   const Status routed = route_split(folder, 0, 1, work, {});
   ASSERT_TRUE(routed) << routed.error().where;
-  const auto found = read_stretch(folder, 1, partition);
+  const auto found = read_split(folder, 1, partition);
   ASSERT_TRUE(found) << found.error().where;
   EXPECT_EQ(found.value().counts.read, 100u);
   EXPECT_EQ(found.value().bounds[0].lo, (Point{1000, 0, -99}));

@@ -154,7 +154,7 @@ TEST_F(Bounds, EveryKindOfJobEndsAtItsBoundOfDiskNamesItAndLeavesNothing) {
       Ledger ledger({.disk = {most, "limits.disk, so little,"}});
       const auto done = work_on(inputs, ledger);
       ASSERT_FALSE(done.reply) << most << " of " << whole.written;
-      EXPECT_EQ(done.reply.error().detail(), "it needs more disk than limits.disk, so little, allows");
+      EXPECT_EQ(done.reply.error().detail(), "the job needs more disk than limits.disk, so little, allows");
       EXPECT_EQ(done.reply.error().status(), 422);
       EXPECT_EQ(done.left, std::set<std::string>()) << most << " of " << whole.written;
     }

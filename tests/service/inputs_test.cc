@@ -129,11 +129,11 @@ TEST_F(Inputs, EveryRefusalOfASubmissionNamesTheField) {
   }
   EXPECT_EQ(detail([&](Fields& of) { of.set_resolution(nan); }), "resolution: is not a distance, a number above 0");
   EXPECT_EQ(detail([](Fields& of) { of.set_returns("second"); }),
-            "returns: 'second' is none of all, first, last and single");
+            "returns: 'second' is not one of all, first, last and single");
   EXPECT_NE(detail([](Fields& of) { of.add_without("x"); }).find("without: "), std::string::npos);
   EXPECT_EQ(detail([](Fields& of) { of.add_columns("x"), of.add_columns("z"); }), "columns: no column is called y");
   EXPECT_EQ(detail([](Fields& of) { of.set_keep("middle"); }),
-            "keep: 'middle' is none of first, last, lowest and highest");
+            "keep: 'middle' is not one of first, last, lowest and highest");
   EXPECT_NE(detail([](Fields& of) { of.set_partition("x"); }).find("partition: "), std::string::npos);
   EXPECT_EQ(detail([](Fields& of) { of.clear_inputs(); }), "inputs: none is given");
   EXPECT_NE(detail([](Fields& of) { of.set_memory("1"); }, 422).find("memory"), std::string::npos);
@@ -169,7 +169,8 @@ TEST_F(Inputs, AFileIsNoCoordinateSystem) {
     inputs.mutable_triangulate()->set_crs(crs);
     const std::string detail = refused(inputs).detail();
     EXPECT_TRUE(detail.starts_with("crs: '" + crs.substr(0, 40))) << detail;
-    EXPECT_NE(detail.find("is neither EPSG:n nor WKT (it begins with no keyword"), std::string::npos) << detail;
+    EXPECT_NE(detail.find("is neither EPSG:n nor WKT (it does not begin with the keyword"), std::string::npos)
+        << detail;
   }
 }
 

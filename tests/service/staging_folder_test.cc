@@ -60,7 +60,7 @@ TEST_F(DeskTest, WritesAndMovesAndLeavesNothing) {
   }
   EXPECT_EQ(all(), (std::map<std::string, std::string>{
                        {"new/manifest.json", "made"}, {"old/manifest.json", "old"}, {"old/note", "second"}}));
-  EXPECT_FALSE(fs::exists(desk_folder(area(), 1)));
+  EXPECT_FALSE(fs::exists(staging_folder_path(area(), 1)));
 }
 
 // A result that is replaced, in its steps; a successor comes before each of them.
@@ -141,7 +141,7 @@ TEST_F(DeskTest, AsksFirstAndTellsWhyItIsNotItsTurnAnyMore) {
 }
 
 TEST_F(DeskTest, OfAnEarlierTermWithStrangeThingsIsAnErrorAndIsLeftAlone) {
-  const auto strange = desk_folder(area(), 1) / "somebody's";
+  const auto strange = staging_folder_path(area(), 1) / "somebody's";
   fs::create_directory(strange.parent_path());
   std::ofstream(strange) << "x";
   const auto desk = StagingFolder::lay(area(), 2, [] { return success(); });

@@ -95,7 +95,8 @@ TEST_F(Takeover, WhatWasTakenIsLeftAsItIs) {
   upload.reset();
   service.reset();  // its running job stops, or ends, and cannot say so
   ASSERT_EQ(told.size(), 1u);
-  EXPECT_NE(told.front().find("another process has taken its lock: process"), std::string::npos) << told.front();
+  EXPECT_NE(told.front().find("another process has taken the lock of the folder: process"), std::string::npos)
+      << told.front();
   EXPECT_NE(told.front().find("on node-7"), std::string::npos) << told.front();
   const auto after = all();
   for (const auto& [name, content] : records) {

@@ -23,23 +23,23 @@ std::vector<std::byte> random_bytes(std::size_t n) {
   return bytes;
 }
 
-TEST(BlockSum, EqualsZlibsForEveryLength) {
+TEST(BlockChecksum, EqualsZlibsForEveryLength) {
   const auto bytes = random_bytes(65535);
   const std::vector<std::byte> largest(65535, std::byte{255});
   for (std::size_t n = 0; n <= bytes.size(); n += n < 300 || n > 65400 ? 1 : 101) {
     for (const auto* list : {&bytes, &largest}) {
-      BlockSum sum;
+      BlockChecksum sum;
       sum.add(std::span(*list).first(n));
       ASSERT_EQ(sum.value(), zlibs(std::span(*list).first(n))) << n;
     }
   }
 }
 
-TEST(BlockSum, OfPiecesIsThatOfTheWholeAndCopiesThem) {
+TEST(BlockChecksum, OfPiecesIsThatOfTheWholeAndCopiesThem) {
   const auto bytes = random_bytes(65535);
   std::mt19937 random(2);
   for (const std::size_t longest : {1u, 40u, 3000u, 70000u}) {
-    BlockSum sum;
+    BlockChecksum sum;
     std::vector<std::byte> copy(bytes.size() + 64, std::byte{7});
     for (std::size_t at = 0; at < bytes.size();) {
       const std::size_t n = std::min<std::size_t>(random() % (longest + 1), bytes.size() - at);
@@ -52,8 +52,8 @@ TEST(BlockSum, OfPiecesIsThatOfTheWholeAndCopiesThem) {
   }
 }
 
-TEST(BlockSum, StandsBigEndianInAStream) {
-  BlockSum sum;
+TEST(BlockChecksum, StandsBigEndianInAStream) {
+  BlockChecksum sum;
   sum.add(random_bytes(1000));
   std::uint32_t value = 0;
   for (const std::byte byte : sum.bytes()) value = value << 8u | static_cast<std::uint32_t>(byte);

@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 class Pieces final : public CellStream {
  public:
   Pieces(const TileMesh& mesh, std::size_t rows, std::ptrdiff_t more = 0) : mesh_(mesh), rows_(rows), more_(more) {}
-  Status vertices(const Take& take) const override { return give(mesh_.cells, take); }
-  Status neighbors(const Take& take) const override { return give(mesh_.neighbors, take); }
+  Status vertices(const Consumer& take) const override { return give(mesh_.cells, take); }
+  Status neighbors(const Consumer& take) const override { return give(mesh_.neighbors, take); }
 
  private:
-  Status give(std::span<const std::int32_t> numbers, const Take& take) const {
+  Status give(std::span<const std::int32_t> numbers, const Consumer& take) const {
     const auto corners = static_cast<std::size_t>(mesh_.dimension) + 1;
     const std::size_t first = more_ < 0 ? static_cast<std::size_t>(-more_) * corners : 0;
     for (std::size_t at = first; at < numbers.size(); at += rows_ * corners) {

@@ -111,7 +111,7 @@ TEST_P(DamagedTile, IsCorruptWithAHeaderThatIsNotOurs) {
                                                         {"<CellData>", "<CellData >"},
                                                         {"Name=\"types\"", "Name=\"typen\""}}) {
     replace(from, to);
-    expect_corrupt("header: is not that of a tile file, or damaged");
+    expect_corrupt("header: is damaged, or not that of a tile file");
   }
 }
 

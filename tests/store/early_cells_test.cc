@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 class Part final : public CellStream {
  public:
   Part(const TileMesh& mesh, std::size_t first, std::size_t end) : mesh_(mesh), first_(first), end_(end) {}
-  Status vertices(const Take& take) const override { return give(mesh_.cells, take); }
-  Status neighbors(const Take& take) const override { return give(mesh_.neighbors, take); }
+  Status vertices(const Consumer& take) const override { return give(mesh_.cells, take); }
+  Status neighbors(const Consumer& take) const override { return give(mesh_.neighbors, take); }
 
  private:
-  Status give(std::span<const std::int32_t> numbers, const Take& take) const {
+  Status give(std::span<const std::int32_t> numbers, const Consumer& take) const {
     const auto corners = static_cast<std::size_t>(mesh_.dimension) + 1;
     for (std::size_t at = first_; at < end_; at += 1000) {
       BOOST_OUTCOME_TRYV(take(numbers.subspan(at * corners, std::min<std::size_t>(1000, end_ - at) * corners)));
@@ -93,7 +93,7 @@ TEST_P(EarlyCellsTest, AreThereWhenTheOthersAreWritten) {
     EXPECT_EQ(entry.value().digest, at_once.value().digest);
     EXPECT_EQ(entry.value().main_cells, at_once.value().main_cells);
     EXPECT_EQ(entry.value().bytes, fs::file_size(file));
-    EXPECT_EQ(entry.value().xxh3, checksum_file(file, SumOf::pieces).value());
+    EXPECT_EQ(entry.value().xxh3, checksum_file(file, ChecksumOf::pieces).value());
     EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{entry.value()});
     EXPECT_FALSE(fs::exists(early_file(folder.path(), tile_, {})));
     expect_mesh(folder.path());

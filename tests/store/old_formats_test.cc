@@ -121,7 +121,7 @@ TEST(Format2, HasNoGapsBetweenArrays) {
   ASSERT_TRUE(write_whole(path, text));
   const auto read = read_tile(folder.path(), TileId{0});
   ASSERT_FALSE(read);
-  EXPECT_NE(read.error().where.find("header: its arrays are not where they can be"), std::string::npos)
+  EXPECT_NE(read.error().where.find("header: its arrays overlap or leave gaps"), std::string::npos)
       << read.error().where;
   replace("format 2", "format 3");
   ASSERT_TRUE(write_whole(path, text));
@@ -137,11 +137,10 @@ TEST(Format1, IsRefusedWithWhatCanBeDone) {
   const auto read = read_manifest(folder.path());
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().code, Errc::corrupt);
-  EXPECT_EQ(
-      read.error().where,
-      manifest_file(folder.path()).string() +
-          ": is of format version 1, which this program reads no more: the tessera that wrote it (software_version in "
-          "this file) reads and exports it; or triangulate again, for the file tells inputs and command");
+  EXPECT_EQ(read.error().where, manifest_file(folder.path()).string() +
+                                    ": is of format version 1, which this program no longer reads: use the tessera "
+                                    "that wrote it (software_version in "
+                                    "this file) to export it, or triangulate again; the file names inputs and command");
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, OldFormat, testing::Values(2));

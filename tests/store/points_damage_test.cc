@@ -147,26 +147,28 @@ TEST_P(DamagedPoints, AreCorruptWithAHeadThatCannotBe) {
   };
   expect([](Forged& f) { f.head.tile = TileId{41}; }, "head: is that of tile 41");
   expect([](Forged& f) { f.head.dimension = 4; }, "head: has 4 dimensions");
-  expect([](Forged& f) { f.head.own = std::uint64_t{1} << 31u; }, "head: tells of too many points");
-  expect([](Forged& f) { f.head.named[0].as.name = "id"; }, "head: has columns that cannot be");
-  expect([](Forged& f) { f.head.named[0].as.name = "kind"; }, "head: has columns that cannot be");
-  expect([](Forged& f) { f.head.named[0].as.name = ""; }, "head: has columns that cannot be");
-  expect([](Forged& f) { f.head.named[0].as.name = "a\n"; }, "head: has columns that cannot be");
+  expect([](Forged& f) { f.head.own = std::uint64_t{1} << 31u; }, "head: announces too many points");
+  expect([](Forged& f) { f.head.named[0].as.name = "id"; }, "head: has impossible columns");
+  expect([](Forged& f) { f.head.named[0].as.name = "kind"; }, "head: has impossible columns");
+  expect([](Forged& f) { f.head.named[0].as.name = ""; }, "head: has impossible columns");
+  expect([](Forged& f) { f.head.named[0].as.name = "a\n"; }, "head: has impossible columns");
   expect([](Forged& f) { f.head.named[0].as.type = static_cast<AttributeType>(10); }, "head: has columns that");
-  expect([](Forged& f) { f.head.named[3].as.name = "tile"; }, "head: has columns that cannot be");
-  expect([](Forged& f) { f.head.named[3].of_cells = false; }, "head: has another number of blocks");
-  expect([](Forged& f) { f.head.cells = 0; }, "head: has another number of blocks");
-  expect([](Forged& f) { f.head.cells += 1 << 20; }, "head: has another number of blocks");
-  expect([](Forged& f) { f.head.cells = (std::uint64_t{1} << 31u) + 1; }, "head: tells of too many cells");
-  expect([](Forged& f) { f.head.foreign = 0; }, "head: has another number of blocks");
-  expect([](Forged& f) { f.head.own += 1 << 20; }, "head: has another number of blocks");
+  expect([](Forged& f) { f.head.named[3].as.name = "tile"; }, "head: has impossible columns");
+  expect([](Forged& f) { f.head.named[3].of_cells = false; },
+         "head: has a number of blocks that does not fit its rows");
+  expect([](Forged& f) { f.head.cells = 0; }, "head: has a number of blocks that does not fit its rows");
+  expect([](Forged& f) { f.head.cells += 1 << 20; }, "head: has a number of blocks that does not fit its rows");
+  expect([](Forged& f) { f.head.cells = (std::uint64_t{1} << 31u) + 1; }, "head: announces too many cells");
+  expect([](Forged& f) { f.head.foreign = 0; }, "head: has a number of blocks that does not fit its rows");
+  expect([](Forged& f) { f.head.own += 1 << 20; }, "head: has a number of blocks that does not fit its rows");
   auto longer = Forged(good_).file();
   longer.push_back({});
-  expect_corrupt(longer, "head: ends its blocks at byte " + std::to_string(good_.size()) + ", not where the file ends");
+  expect_corrupt(longer, "head: says that the blocks end at byte " + std::to_string(good_.size()) +
+                             ", which is not the end of the file");
   auto other = Forged(good_).file();
   other[15] = std::byte{'1'};
-  expect_corrupt(other, "head: is not that of a file of points, or damaged");
-  expect_corrupt({}, "head: is not that of a file of points, or damaged");
+  expect_corrupt(other, "head: is damaged, or not that of a file of points");
+  expect_corrupt({}, "head: is damaged, or not that of a file of points");
   EXPECT_FALSE(parse_points_file(good_, "a.pts", TileId{41}));
 }
 
@@ -182,7 +184,7 @@ TEST_P(DamagedPoints, AreCorruptWithValuesThatCannotBe) {
          "points: point 8 is not finite");
   expect([](PointsTile& t) { t.points[299].y = -0.0; }, "points: point 299 is at -0");
   expect([](PointsTile& t) { t.owners[250] = t.tile; },
-         "points: point 250 is the tile's own, and stands among foreign ones");
+         "points: point 250 belongs to the tile, but stands among the foreign points");
 }
 
 TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
@@ -226,7 +228,7 @@ TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
   expect(
       id, [](Bytes& block) { block.pop_back(); }, "has a plane of a size that it cannot have");
   expect(
-      id, [](Bytes& block) { block.push_back({}); }, "has bytes behind its end");
+      id, [](Bytes& block) { block.push_back({}); }, "has bytes after its end");
   expect(
       id, [](Bytes& block) { block[0] = std::byte{2}; }, "is coded in an unknown way");
   expect(
@@ -240,9 +242,9 @@ TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
   expect(id, becomes(integers(0, {packed(1 << 20)})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {joined(packed(rows), packed(1))})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {joined(packed(100), packed(100))})), "has a plane that cannot be unpacked");
-  expect(id, becomes(integers(0, {Bytes(rows)})), "has a plane for nothing");
-  expect(id, becomes(integers(0, {plain})), "has no number that is its least");
-  expect(id, becomes(integers(1, {plain})), "begins with another number than its first");
+  expect(id, becomes(integers(0, {Bytes(rows)})), "has a plane of zeros, which is never written");
+  expect(id, becomes(integers(0, {plain})), "does not contain the least number that it announces");
+  expect(id, becomes(integers(1, {plain})), "does not begin with the first number that it announces");
   plain[0] = std::byte{0};
   expect(kind, becomes(integers(0, {plain}, 252)), "has a value too large for its type");
   expect(share, becomes(integers(0, {plain, plain, plain, plain, plain})), "has a value too large for its type");

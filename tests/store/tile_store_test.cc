@@ -75,11 +75,11 @@ TEST(TileStore, ChecksumsAreThoseOfTheFiles) {
                                      {{600, 1}, {601, 1}, {602, 17}});
   for (const auto& entry : manifest.tiles) {
     const auto file = tile_file(folder.path(), entry.tile);
-    EXPECT_EQ(checksum_file(file, SumOf::pieces).value(), entry.xxh3);
+    EXPECT_EQ(checksum_file(file, ChecksumOf::pieces).value(), entry.xxh3);
     EXPECT_EQ(fs::file_size(file), entry.bytes);
   }
   EXPECT_EQ(checksum_file(folder.path() / "triangulation.pvtu").value(), manifest.master_xxh3);
-  EXPECT_EQ(checksum_file(folder.path() / "duplicates.bin", SumOf::pieces).value(), manifest.duplicates_xxh3);
+  EXPECT_EQ(checksum_file(folder.path() / "duplicates.bin", ChecksumOf::pieces).value(), manifest.duplicates_xxh3);
 }
 
 TEST(TileStore, ArraysOfManyBlocksAreRight) {

@@ -109,7 +109,7 @@ class Finished(SurfaceTest):
         report = self.passed("mesh.ply", "--of", "out")
         self.assertIn("proved by its flow", " ".join(report["passed"]))
         self.assertEqual(report["note"], "")
-        self.assertIn("only the triangulation tells", self.passed("mesh.ply")["note"])
+        self.assertIn("because it needs the triangulation", self.passed("mesh.ply")["note"])
         good = (self.folder / "mesh.ply").read_bytes()
         body = good.index(b"end_header\n") + len(b"end_header\n")
         at, faces, _ = read_ply(self.folder / "mesh.ply")

@@ -45,7 +45,7 @@ Drawn draw(std::mt19937_64& random, bool small) {
 
 // A region, and which cells of the whole those of its kernel are.
 struct Part {
-  RegionKernel region;
+  ReducedRegion region;
   std::vector<std::uint32_t> left;
 };
 
@@ -66,7 +66,7 @@ class Deciding {
     while (parts_.size() > 1) join_some();
     EXPECT_TRUE(parts_.front().region.names.empty());
     if (!parts_.front().left.empty()) {  // it was not to decide
-      std::vector<RegionKernel> last;
+      std::vector<ReducedRegion> last;
       last.push_back(std::move(parts_.front().region));
       auto joined = join(last, [](TileId) { return 0; });
       EXPECT_TRUE(joined);
@@ -77,11 +77,11 @@ class Deciding {
   std::uint64_t cells_joined() const { return cells_joined_; }
 
  private:
-  Region region_of(std::uint32_t tile, const std::vector<std::uint32_t>& cells) const {
+  CutRegion region_of(std::uint32_t tile, const std::vector<std::uint32_t>& cells) const {
     const auto number = [&](std::uint32_t cell) {
       return static_cast<std::uint32_t>(std::lower_bound(cells.begin(), cells.end(), cell) - cells.begin());
     };
-    Region region;
+    CutRegion region;
     for (const std::uint32_t cell : cells) {
       region.graph.excess.push_back(drawn_.whole.excess[cell]);
       for (std::uint32_t facet = 0; facet < 4; ++facet) {
@@ -108,12 +108,12 @@ class Deciding {
     return region;
   }
 
-  Part decide(Region region, const std::vector<std::uint32_t>& cells) {
+  Part decide(CutRegion region, const std::vector<std::uint32_t>& cells) {
     const bool at_once = random_() % 3 == 0;
     return take(at_once ? all_of(std::move(region)) : kernel_of(std::move(region), true), cells);
   }
   // `cells`: of the whole, by cell of the region.
-  Part take(Result<RegionKernel> made, const std::vector<std::uint32_t>& cells) {
+  Part take(Result<ReducedRegion> made, const std::vector<std::uint32_t>& cells) {
     EXPECT_TRUE(made) << made.error().where;
     Part part{std::move(made).value(), {}};
     for (std::uint32_t i = 0; i < cells.size(); ++i) {
@@ -132,7 +132,7 @@ class Deciding {
     for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = i;
     std::shuffle(chosen.begin(), chosen.end(), random_);
     chosen.resize(count);
-    std::vector<RegionKernel> regions;
+    std::vector<ReducedRegion> regions;
     std::vector<std::uint32_t> cells;
     for (const std::size_t i : chosen) {
       regions.push_back(std::move(parts_[i].region));
@@ -195,9 +195,9 @@ TEST(Join, RefusesRegionsThatDoNotNameTheSameBorders) {
     whole.sides.resize(2);
     whole.excess = {3, -3};
     ASSERT_TRUE(whole.join(0, 1, 2, 2));
-    std::vector<RegionKernel> regions;
+    std::vector<ReducedRegion> regions;
     for (std::uint32_t tile = 0; tile < 2; ++tile) {
-      Region region;
+      CutRegion region;
       region.graph.excess = {whole.excess[tile]};
       region.graph.capacity = {2, 0, 0, 0};
       region.graph.back = {cut::border_bit, cut::no_arc, cut::no_arc, cut::no_arc};

@@ -112,7 +112,7 @@ class Levels(SurfaceTest):
         self.refused(USAGE, "surface", out, "-o", "levels", "--format", "3dtiles", "--local", says="--local")
         self.write("stands", "here")
         self.refused(USAGE, "surface", out, "-o", "stands", "--format", "3dtiles", says="exists already")
-        self.refused(USAGE, "surface", out, "-o", "stands", "--format", "3dtiles", "--overwrite", says="no tileset")
+        self.refused(USAGE, "surface", out, "-o", "stands", "--format", "3dtiles", "--overwrite", says="is not a tileset")
         self.assertEqual((self.folder / "stands").read_text(), "here")
         scattered = self.result("scattered", "--tiles", "3", "--partition", "random")
         self.refused(USAGE, "surface", scattered, "-o", "levels", "--format", "3dtiles", says="do not lie side by side")

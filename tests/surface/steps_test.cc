@@ -34,14 +34,14 @@ class StoreInMemory final : public StepStore {
   Status give_back(std::unique_ptr<SurfaceTile> tile) override {
     return tile->has_weights() ? Status(error(Errc::internal, "a tile keeps its weights")) : success();
   }
-  Status write(Kept what, TileId tile, std::span<const std::byte> bytes) override {
+  Status write(StepOutput what, TileId tile, std::span<const std::byte> bytes) override {
     const Bytes copy(bytes.begin(), bytes.end());
     const auto [at, fresh] = kept_.try_emplace({what, tile}, copy);
     // Nodes may have handed a step's end over: it is the same whoever writes it.
     if (!fresh && at->second != copy) return error(Errc::internal, "another life of a tile has kept something else");
     return success();
   }
-  Result<Bytes> read(Kept what, TileId tile) override {
+  Result<Bytes> read(StepOutput what, TileId tile) override {
     const auto found = kept_.find({what, tile});
     if (found == kept_.end()) return error(Errc::internal, "a step before has not come to its end");
     return found->second;
@@ -51,7 +51,7 @@ class StoreInMemory final : public StepStore {
     return Bytes();
   }
 
-  std::vector<TileReceipt> kept(Kept what) const {
+  std::vector<TileReceipt> kept(StepOutput what) const {
     std::vector<TileReceipt> kept;
     for (const auto& [name, bytes] : kept_)
       if (name.first == what) kept.push_back({name.second, {}});
@@ -71,7 +71,7 @@ class StoreInMemory final : public StepStore {
 
  private:
   const Tiles& tiles_;
-  std::map<std::pair<Kept, TileId>, Bytes> kept_;
+  std::map<std::pair<StepOutput, TileId>, Bytes> kept_;
   std::map<TileId, TileMesh> triangles_;
 };
 
@@ -97,10 +97,10 @@ class SurfaceOfTiles final : public LaterStages {
   std::shared_ptr<const TilePrograms> programs(std::uint32_t stage, const Tiles& tiles) override {
     if (!store_) store_ = std::make_shared<StoreInMemory>(tiles);
     return std::make_shared<WhenAllStand>(
-        [this, stage, &tiles] { return programs_of(static_cast<Step>(stage), input_of(tiles), store_); });
+        [this, stage, &tiles] { return programs_of(static_cast<SurfaceStageId>(stage), input_of(tiles), store_); });
   }
   std::vector<TileReceipt> stored(std::uint32_t stage) const override {
-    return store_ ? store_->kept(kept_of(static_cast<Step>(stage))) : std::vector<TileReceipt>();
+    return store_ ? store_->kept(output_of(static_cast<SurfaceStageId>(stage))) : std::vector<TileReceipt>();
   }
   std::string wrong(const Tiles& tiles) const override {
     const auto expected = surface_of_whole(points_of(tiles), sensors_, options_.energy, options_.rule);

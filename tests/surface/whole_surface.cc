@@ -96,7 +96,7 @@ std::vector<IdTriangle> surface_of_whole(const std::vector<Point>& points, const
     const auto sensor = sensors.of(tile.point(v), tile.id(v), nullptr).value();
     EXPECT_TRUE(caster.cast(v, sensor->at, sigmas[static_cast<std::size_t>(v)], full_vote));
   }
-  const Region region = region_of(tile, energy, rule, {}).value();
+  const CutRegion region = region_of(tile, energy, rule, {}).value();
   const auto source = smallest_source_set(region.graph);
   std::vector<IdTriangle> triangles;
   const auto outside = [&](std::int32_t cell) {

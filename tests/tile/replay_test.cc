@@ -86,20 +86,20 @@ TEST_F(Replay, TellsTheLivingOnceWhatItReliedOn) {
 
 // Of a point that is no vertex, too, and when it has slept.
 TEST_F(Replay, TellsOfRefusedPointsThatItReliedOn) {
-  for (const bool by_word : {false, true}) {
-    SCOPED_TRACE(by_word);
+  for (const bool by_told_bit : {false, true}) {
+    SCOPED_TRACE(by_told_bit);
     renew();
     begin();
     hear_fence();
-    const std::uint32_t word = by_word ? around_.bit(other, fence_owner) : 0;
-    hear(by_word ? other : fence_owner, of(other, 30, 1, 7, word));
+    const std::uint32_t word = by_told_bit ? around_.bit(other, fence_owner) : 0;
+    hear(by_told_bit ? other : fence_owner, of(other, 30, 1, 7, word));
     tile_->introduce();
     ASSERT_EQ(tile_->counts().refused, 1u);
     tile_->take_updates();
     const BigVector<std::byte> image = tile_->save();
     renew();
     ASSERT_TRUE(tile_->load(image));
-    EXPECT_EQ(told_again(7, {dead}), by_word ? Tiles{fence_owner} : Tiles{});
+    EXPECT_EQ(told_again(7, {dead}), by_told_bit ? Tiles{fence_owner} : Tiles{});
     EXPECT_EQ(told_again(7, {fence_owner}), Tiles{fence_owner});
     hear(fence_owner, of(other, 30, 1, 7, word));
     EXPECT_EQ(tile_->counts().refused, 1u);  // it stays refused

@@ -219,7 +219,7 @@ class Tilesets(CliTest):
         mine.mkdir()
         (mine / "letter.txt").write_text("dear")
         self.refused(USAGE, "tileset", out, "-o", mine, says="exists already")
-        self.refused(USAGE, "tileset", out, "-o", mine, "--overwrite", says="no tileset")
+        self.refused(USAGE, "tileset", out, "-o", mine, "--overwrite", says="is not a tileset")
         self.assertEqual((mine / "letter.txt").read_text(), "dear")
         self.refused(IO, "tileset", out, "-o", mine / "letter.txt" / "x")
         tile = out / "tiles/000001.vtu"

@@ -239,7 +239,7 @@ TEST_F(Route, WritesTheSameBytesWhateverTheThreads) {
 // Routes stretches in any order, some of them twice, as nodes do of which some are lost.
 class ShuffledRouter : public SplitRouter {
  public:
-  std::uint64_t stretch_points(std::uint64_t) const override { return 65'536; }
+  std::uint64_t split_points(std::uint64_t) const override { return 65'536; }
   Result<std::vector<std::uint32_t>> route(const Cloud& cloud, const std::vector<InputSplit>& splits,
                                            const Partition& partition, const std::filesystem::path& folder,
                                            Progress& progress, const std::stop_token& stop) override {
@@ -305,7 +305,7 @@ TEST_F(Route, GivesTheSameTilesWhoeverRoutesWhichStretch) {
       for (const LocalPoint& p : expected) ids.push_back(p.id);
       ASSERT_EQ(load_rows(one.value(), TileId{t}, ids).value(), load_rows(many.value(), TileId{t}, ids).value());
     }
-    EXPECT_FALSE(std::filesystem::exists(stretches_folder(run_folder())));
+    EXPECT_FALSE(std::filesystem::exists(routed_splits_folder(run_folder())));
   }
 }
 

@@ -204,8 +204,8 @@ TEST_P(TrackOfRealCloud, IsWhereItWasFlown) {
     EXPECT_NEAR(line.height, wanted.height, wanted.within);
     EXPECT_LT(line.median_degrees, 0.7);
     EXPECT_EQ(line.kept == line.windows, wanted.whole);
-    for (const Track::Place& place : found.track.lines().at(line.line))
-      EXPECT_NEAR(place.at.z, found.track.lines().at(line.line).front().at.z, wanted.height / 5);
+    for (const Track::TrackPoint& point : found.track.lines().at(line.line))
+      EXPECT_NEAR(point.at.z, found.track.lines().at(line.line).front().at.z, wanted.height / 5);
   }
 }
 // A bundled one, and more where there are more.

@@ -44,7 +44,7 @@ TEST_F(TrackFile, MayHaveItsColumnsInAnyOrderAndOthersBesides) {
 TEST_F(TrackFile, IsRefusedWithItsLine) {
   EXPECT_NE(refused("").find(": is empty"), std::string::npos);
   EXPECT_NE(refused("time,x,y\n1,2,3\n").find("line 1: the header names no column 'z'"), std::string::npos);
-  EXPECT_NE(refused("time,x,y,z\n").find("has no places"), std::string::npos);
+  EXPECT_NE(refused("time,x,y,z\n").find("has no positions"), std::string::npos);
   EXPECT_NE(refused("time,x,y,z\n1,2,3,4\n2,2,3\n").find("line 3: has no column 'z'"), std::string::npos);
   EXPECT_NE(refused("time,x,y,z\n1,2,3,north\n").find("line 2: z is not a finite number"), std::string::npos);
   EXPECT_NE(refused("time,x,y,z\n1,2,inf,4\n").find("line 2: y is not a finite number"), std::string::npos);

@@ -52,7 +52,7 @@ class Looks(unittest.TestCase):
         for line in ("BOOST_OUTCOME_TRY(there, is_there(path));", "// std::filesystem::exists(path, code) is false",
                      'const char* text = "std::filesystem::exists(path)";', "if (results.exists(name)) return;",
                      'if (::stat(file.c_str(), &status) != 0) return io_error(file, "cannot open", errno);',
-                     'if (::stat(plan.c_str(), &found) != 0)\n    return io_error(plan, "cannot be looked at", errno);',
+                     'if (::stat(plan.c_str(), &found) != 0)\n    return io_error(plan, "cannot be examined", errno);',
                      "struct stat status {};", "std::ifstream stat(file);", "if (::fstat(file.get(), &status) != 0) return false;"):
             self.assertEqual(bare_looks(line), [], line)
 

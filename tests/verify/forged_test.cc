@@ -116,7 +116,7 @@ struct Sound {
   }
   void write_duplicates(const Pairs& pairs) {
     ASSERT_TRUE(write_whole(duplicates_file(out), std::as_bytes(std::span(pairs))));
-    manifest.duplicates_xxh3 = checksum_file(duplicates_file(out), SumOf::pieces).value();
+    manifest.duplicates_xxh3 = checksum_file(duplicates_file(out), ChecksumOf::pieces).value();
     manifest.duplicates = pairs.size();
   }
 };
@@ -167,11 +167,11 @@ const std::vector<Forgery>& forgeries() {
          s.manifest.neighbors = false;
          s.make_master(s.manifest);
        },
-       "has neighbours, though the manifest says it has none"},
+       "has neighbours, though the manifest says that it has none"},
       {"ATileThatIsNotListed", [](Sound& s) { fs::copy(tile_file(s.out, TileId{1}), tile_file(s.out, TileId{9})); },
-       "000009.vtu: is no tile of the manifest"},
-      {"AnotherSize", [](Sound& s) { s.manifest.tiles[1].bytes += 7; }, "bytes, the manifest says"},
-      {"BoxesThatAreGone", [](Sound& s) { s.manifest.boxes.clear(); }, "the partition does not fit to the result"},
+       "000009.vtu: is not a tile of the manifest"},
+      {"AnotherSize", [](Sound& s) { s.manifest.tiles[1].bytes += 7; }, "bytes, but the manifest says"},
+      {"BoxesThatAreGone", [](Sound& s) { s.manifest.boxes.clear(); }, "the partition does not fit the result"},
       {"BoxesThatOverlap", [](Sound& s) { s.manifest.boxes[0].hi.x = std::numeric_limits<double>::infinity(); },
        "tile 0 has another box than the partition's splits make"},
       {"BoxesWithAGap", [](Sound& s) { s.manifest.boxes[1].hi.x = std::nextafter(s.manifest.boxes[1].hi.x, -1.0); },
@@ -185,8 +185,8 @@ const std::vector<Forgery>& forgeries() {
        },
        "tile 0 has another box than the partition's splits make"},
       {"SplitsOfAnotherKind", [](Sound& s) { s.manifest.partition_kind = "random"; },
-       "manifest.json: partition: 2 splits for 3 tiles"},
-      {"SplitsThatAreGone", [](Sound& s) { s.manifest.partition.clear(); }, "the partition does not tell its splits"},
+       "manifest.json: partition: 2 splits do not make 3 tiles"},
+      {"SplitsThatAreGone", [](Sound& s) { s.manifest.partition.clear(); }, "the partition has no splits"},
       {"SplitsThatLeadToEachOthersTiles",
        [](Sound& s) {  // the boxes part space, and hold their vertices: only tile_of() would be wrong
          std::string& text = s.manifest.partition;
@@ -238,19 +238,19 @@ const std::vector<Forgery>& forgeries() {
          for (TileId& owner : s.meshes[1].owners) owner = TileId{2 - owner.value};  // 1 stays 1
          s.restore(s.meshes[1], s.options);
        },
-       ", by the partition it is of tile "},
+       ", but by the partition it belongs to tile "},
       {"ForeignVerticesOfATileThatIsNone", [](Sound& s) { s.restore(with_foreign_owner(s.meshes[1], 7), s.options); },
-       "is said to be of tile 7, by the partition it is of tile "},
+       "has the owner 7, but by the partition it belongs to tile "},
       {"ForeignVerticesOfTheLastNumber",
        [](Sound& s) { s.restore(with_foreign_owner(s.meshes[1], ~std::uint32_t{0}), s.options); },
-       "is said to be of tile 4294967295, by the partition it is of tile "},
+       "has the owner 4294967295, but by the partition it belongs to tile "},
       {"ARandomPartitionOfSlabs",
        [](Sound& s) {
          s.manifest.partition_kind = "random";
          s.manifest.partition = R"({"kind": "random", "dimension": 3, "tiles": 3, "splits": []})";
          s.manifest.boxes.assign(3, Box{});
        },
-       ", by the partition it is of tile "},
+       ", but by the partition it belongs to tile "},
       {"CountsThatComeAround", [](Sound& s) { s.manifest.invalid = s.manifest.filtered = std::uint64_t{1} << 63; },
        "9223372036854775808 filtered: they are more than there were"},
       {"DuplicatesWithoutAChecksum", [](Sound& s) { s.manifest.duplicates_xxh3 = 0; },
@@ -260,7 +260,7 @@ const std::vector<Forgery>& forgeries() {
          s.write_duplicates({{300, 5}, {1'000'000'000, 3}});
          ++s.manifest.points_read;
        },
-       "duplicates.bin: point 1000000000 is none of the 302 points read"},
+       "duplicates.bin: point 1000000000 is not one of the 302 points that were read"},
   };
   return all;
 }
@@ -301,7 +301,7 @@ TEST(Verify, AVertexInAnotherTileThanItsHashSaysIsFound) {
       const auto sound = verify_meshes(meshes);
       EXPECT_TRUE(sound) << sound.error().where;
     } else {
-      expect_wrong(meshes, "vertex 17 is said to be of tile ");
+      expect_wrong(meshes, "vertex 17 has the owner ");
     }
   }
 }

@@ -111,7 +111,7 @@ Result<std::string> read_keys(const GdalLibrary& gdal, std::vector<unsigned char
   }
   gdal.CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
   gdal.CPLSetThreadLocalConfigOption("GTIFF_SRS_SOURCE", nullptr);
-  if (wkt.empty()) return error(Errc::bad_input, "GDAL makes no coordinate system of them");
+  if (wkt.empty()) return error(Errc::bad_input, "GDAL cannot make a coordinate system of the keys");
   return wkt;
 }
 
@@ -193,7 +193,9 @@ Result<std::string> with_unit_of_heights(const GdalLibrary& gdal, const GeoTiffK
   constexpr int orthometric = 2005;  // GDAL's value where no other is given
   const auto name = value(reference, "VERT_CS"), datum = value(reference, "VERT_DATUM");
   const auto unit = value(of_unit, "VERT_CS|UNIT");
-  const auto contradicts = [] { return error(Errc::bad_input, "the unit of heights contradicts their system"); };
+  const auto contradicts = [] {
+    return error(Errc::bad_input, "the unit of the heights contradicts the coordinate system of the heights");
+  };
   // A new unit would keep the old code. So the vertical system is first replaced by one with the same datum and no
   // code.
   gdal.OSRStripVertical(reference.get());
@@ -212,7 +214,7 @@ Result<std::string> with_unit_of_heights(const GdalLibrary& gdal, const GeoTiffK
 
 Result<std::string> crs_of(const GeoTiffKeys& given) {
   if (given.directory.size() < 8 || given.directory.size() > 8 * std::size_t{0xFFFF}) {
-    return error(Errc::bad_input, "there is no key directory");
+    return error(Errc::bad_input, "the directory of keys is missing or too large");
   }
   BOOST_OUTCOME_TRY(gdal, gdal_library());
   const GdalQuiet quiet(*gdal);
@@ -221,7 +223,7 @@ Result<std::string> crs_of(const GeoTiffKeys& given) {
   TinyTiff tiff(keys);
   BOOST_OUTCOME_TRY(wkt, read_keys(*gdal, tiff.bytes(), nullptr));
   BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, wkt));
-  if (gdal->OSRIsLocal(reference.get()) != 0) return error(Errc::bad_input, "they name no system");
+  if (gdal->OSRIsLocal(reference.get()) != 0) return error(Errc::bad_input, "the keys name no coordinate system");
   if (gdal->OSRIsCompound(reference.get()) != 0) {
     BOOST_OUTCOME_TRY(horizontal, SpatialReference::parse(*gdal, wkt));
     gdal->OSRStripVertical(horizontal.get());

@@ -23,7 +23,7 @@ Result<LonLat> LonLat::of(const std::string& crs) {
   const GdalQuiet quiet(*gdal);
   BOOST_OUTCOME_TRY(system, SpatialReference::parse(*gdal, crs));
   if (gdal->OSRIsGeocentric(system.get()) != 0 || gdal->OSRIsLocal(system.get()) != 0)
-    return no_place("the coordinate system is none of maps");
+    return no_place("the coordinate system is geocentric or local, so it has no map");
   gdal->OSRStripVertical(system.get());
   BOOST_OUTCOME_TRY(degrees, SpatialReference::parse(*gdal, "EPSG:4326"));
   char* text = nullptr;
@@ -61,7 +61,9 @@ Status LonLat::transform(OGRCoordinateTransformationH how, std::span<Point> poin
   const bool all = gdal_.OCTTransform(how, static_cast<int>(points.size()), x.data(), y.data(), nullptr) != 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!all || !std::isfinite(x[i]) || !std::isfinite(y[i]))
-      return error(Errc::bad_input, "a place has no longitude and latitude, or no coordinates: " + quiet.message());
+      return error(
+          Errc::bad_input,
+          "a point cannot be converted between longitude and latitude and the coordinate system: " + quiet.message());
     points[i].x = x[i];
     points[i].y = y[i];
   }

@@ -62,8 +62,9 @@ Result<SurveySystem> survey_system(const std::string& crs) {
   gdal->VSIFree(text);
 
   const auto refuse = [&](const std::string& what) {
-    return error(Errc::usage, "the coordinate system " + system.title + " has " + what +
-                                  ", and surveyors' files know metres, feet and US survey feet: reproject the points");
+    return error(Errc::usage,
+                 "the coordinate system " + system.title + " has " + what +
+                     ", but surveyors' formats have only metres, feet and US survey feet: reproject the points");
   };
   if (gdal->OSRIsGeographic(reference.get()) != 0) return refuse("degrees");
   char* unit = nullptr;

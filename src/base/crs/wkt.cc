@@ -31,7 +31,7 @@ class Walk {
       skip_blank();
       const std::string keyword = take_word();
       if (keyword.empty() || !is_one_of(keyword, systems))
-        return bad("it begins with no keyword of a coordinate system");
+        return bad("it does not begin with the keyword of a coordinate system");
       BOOST_OUTCOME_TRYV(values_of(keyword, 1));
     } while (take(','));
     return rest_.empty() ? success() : Status(unexpected());
@@ -41,7 +41,7 @@ class Walk {
   static Error bad(const std::string& why) { return error(Errc::bad_input, why); }
   Error unexpected() const {
     return bad(rest_.empty() ? "it ends too early"
-                             : "it is none from its byte " + std::to_string(size_ - rest_.size()) + " on");
+                             : "it is not WKT from byte " + std::to_string(size_ - rest_.size()) + " on");
   }
 
   void skip_blank() { rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r\n\v\f"), rest_.size())); }
@@ -96,7 +96,7 @@ class Walk {
     if (value.find_first_of("/\\") == value.npos) return success();
     const bool is_label = is_one_of(keyword, labels) || is_one_of(keyword, systems);
     if (!is_label || value.find('=') != value.npos)
-      return bad("its " + keyword + " holds a slash, and may name a file");
+      return bad("its " + keyword + " holds a slash, so it may name a file");
     return success();
   }
 

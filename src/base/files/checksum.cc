@@ -38,9 +38,9 @@ Result<std::uint64_t> checksum_pieces(DiskFile file) {
 
 }  // namespace
 
-Result<std::uint64_t> checksum_file(const std::filesystem::path& path, SumOf what) {
+Result<std::uint64_t> checksum_file(const std::filesystem::path& path, ChecksumOf what) {
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
-  if (what == SumOf::pieces) return checksum_pieces(std::move(file));
+  if (what == ChecksumOf::pieces) return checksum_pieces(std::move(file));
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
   std::vector<std::byte> buffer(std::size_t{1} << 18);  // small enough to stay in the second-level cache

@@ -19,10 +19,10 @@ std::uint64_t checksum(std::span<const std::byte> bytes, std::uint64_t seed = 0)
 std::uint64_t record_checksum(std::span<const std::byte> records, std::size_t record_bytes, std::uint64_t first);
 // What a file's checksum is made of: the file's bytes, or the checksums of its pieces, 8 bytes each. A piece has
 // sum_piece_bytes; the last one may have less. With pieces a file can be written in any order.
-enum class SumOf : std::uint8_t { bytes, pieces };
+enum class ChecksumOf : std::uint8_t { bytes, pieces };
 inline constexpr std::size_t sum_piece_bytes = std::size_t{1} << 20;
 // The checksum of a whole file, which is streamed. Error io when the file cannot be read.
-Result<std::uint64_t> checksum_file(const std::filesystem::path& path, SumOf what = SumOf::bytes);
+Result<std::uint64_t> checksum_file(const std::filesystem::path& path, ChecksumOf what = ChecksumOf::bytes);
 // 16 lower-case hexadecimal digits, as in the manifest.
 std::string checksum_text(std::uint64_t value);
 

@@ -26,7 +26,7 @@ constexpr std::size_t piece_bytes = std::size_t{1} << 30;  // Linux transfers at
 Status check_kind(int fd, int flags, const fs::path& path) {
   if ((flags & (O_PATH | O_DIRECTORY)) != 0) return success();
   struct stat status {};
-  if (::fstat(fd, &status) != 0) return io_error(path, "cannot be looked at", errno);
+  if (::fstat(fd, &status) != 0) return io_error(path, "cannot be examined", errno);
   if (S_ISREG(status.st_mode)) return success();
   if ((flags & O_ACCMODE) == O_RDONLY || S_ISFIFO(status.st_mode))
     return error(Errc::io, path.string() + ": is not a regular file");

@@ -90,8 +90,10 @@ Result<bool> is_listed(const fs::path& file) {
 Error lost_lock(const fs::path& out, const fs::path& lock) {
   const auto name = owner_name(lock);
   if (name && !name.value().empty()) {
-    return error(Errc::io, out.string() + ": was silent for so long that another process has taken its lock" +
-                               words_for(name.value()));
+    return error(Errc::io,
+                 out.string() +
+                     ": this process was silent for so long that another process has taken the lock of the folder" +
+                     words_for(name.value()));
   }
   FolderReader reader(out);
   reader.next();
@@ -187,8 +189,8 @@ struct FolderLock::Impl {
       if (reason == ENOENT || reason == ENOTDIR) return lost_lock(out, lock);
       const auto silence = std::chrono::duration_cast<std::chrono::seconds>(before - touched.load());
       return io_error(lock,
-                      "cannot be reached after a silence of " + std::to_string(silence.count()) +
-                          " s, in which another process may have taken it",
+                      "cannot be reached after this process was silent for " + std::to_string(silence.count()) +
+                          " s, in which another process may have taken the lock",
                       reason);
     }
     touched = before;

@@ -87,21 +87,22 @@ class FrameReader {
     BOOST_OUTCOME_TRY(header, next_header());
     BigVector<std::byte> payload(header.length);
     BOOST_OUTCOME_TRYV(read(payload));
-    if (header.checksum != checksum_of(header, payload)) return damaged("has another checksum than was written");
-    if (header.owner.run != owner.run) return damaged("belongs to another run");
+    if (header.checksum != checksum_of(header, payload))
+      return damaged("the frame is damaged: its checksum is not the one that was written");
+    if (header.owner.run != owner.run) return damaged("the frame belongs to another run");
     if (header.owner.item != owner.item)
-      return damaged("belongs to " + std::to_string(header.owner.item) + " of the run, not to " +
-                     std::to_string(owner.item));
+      return damaged("the frame belongs to number " + std::to_string(header.owner.item) +
+                     " of the run, not to number " + std::to_string(owner.item));
     begin_ = at_;
     return payload;
   }
 
   // The owner and place of the next frame, whose payload is skipped.
-  Result<FramePlace> next_place() {
+  Result<FrameOffset> next_offset() {
     const std::uint64_t at = at_;
     BOOST_OUTCOME_TRY(header, next_header());
     at_ = begin_ = at_ + header.length;
-    return FramePlace{header.owner, at};
+    return FrameOffset{header.owner, at};
   }
 
   Error damaged(const std::string& what) const {
@@ -116,17 +117,18 @@ class FrameReader {
     Header header;
     const std::uint64_t left = std::min<std::uint64_t>(size_ - at_, sizeof header);
     BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&header, 1)).first(left)));
-    if (left >= sizeof header.magic && header.magic == older_magic) return damaged("is a frame of older software");
-    if (left < sizeof header) return damaged("ends in the middle of a frame");
-    if (header.magic != magic) return damaged("is no frame");
-    if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("is a frame of another kind");
-    if (header.length > size_ - at_) return damaged("ends in the middle of a frame");
+    if (left >= sizeof header.magic && header.magic == older_magic)
+      return damaged("the frame has the format of an older version of Tessera");
+    if (left < sizeof header) return damaged("the file ends in the middle of a frame");
+    if (header.magic != magic) return damaged("no frame begins here");
+    if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("the frame is of another kind than expected");
+    if (header.length > size_ - at_) return damaged("the file ends in the middle of a frame");
     return header;
   }
 
   Status read(std::span<std::byte> buffer) {
     BOOST_OUTCOME_TRY(done, read_up_to(file_.get(), buffer, at_, path_));
-    if (done != buffer.size()) return damaged("became shorter while it was read");
+    if (done != buffer.size()) return damaged("the file became shorter while it was read");
     at_ += done;
     return success();
   }
@@ -157,9 +159,9 @@ Status write_frame(const fs::path& path, ScratchKind kind, const FrameOwner& own
 
 Result<BigVector<std::byte>> read_frame(const fs::path& path, ScratchKind kind, const FrameOwner& owner) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
-  if (frames.at_end()) return frames.damaged("is empty");
+  if (frames.at_end()) return frames.damaged("the file is empty");
   BOOST_OUTCOME_TRY(payload, frames.next(owner));
-  if (!frames.at_end()) return frames.damaged("goes on after its one frame");
+  if (!frames.at_end()) return frames.damaged("the file has more bytes after its only frame");
   return std::move(payload);
 }
 
@@ -172,16 +174,16 @@ Status for_each_frame(const fs::path& path, ScratchKind kind, const FrameOwner& 
   return success();
 }
 
-Result<std::vector<FramePlace>> places_of_frames(const fs::path& path, ScratchKind kind) {
+Result<std::vector<FrameOffset>> frame_offsets(const fs::path& path, ScratchKind kind) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
-  std::vector<FramePlace> places;
+  std::vector<FrameOffset> offsets;
   while (!frames.at_end()) {
-    const auto place = frames.next_place();
-    if (!place && place.error().code == Errc::corrupt) break;
-    if (!place) return place.error();
-    places.push_back(place.value());
+    const auto offset = frames.next_offset();
+    if (!offset && offset.error().code == Errc::corrupt) break;
+    if (!offset) return offset.error();
+    offsets.push_back(offset.value());
   }
-  return places;
+  return offsets;
 }
 
 Result<BigVector<std::byte>> read_frame_at(const fs::path& path, ScratchKind kind, const FrameOwner& owner,

@@ -56,13 +56,13 @@ Status for_each_frame(const std::filesystem::path& path, ScratchKind kind, const
 
 // Files of many frames that are read one by one.
 //
-// places_of_frames() lists where frames begin, without reading payloads. The list ends at damage. Owners in the list
+// frame_offsets() lists where frames begin, without reading payloads. The list ends at damage. Owners in the list
 // may be damaged, because checksums are not checked. Error io.
-struct FramePlace {
+struct FrameOffset {
   FrameOwner owner;
   std::uint64_t at = 0;
 };
-Result<std::vector<FramePlace>> places_of_frames(const std::filesystem::path& path, ScratchKind kind);
+Result<std::vector<FrameOffset>> frame_offsets(const std::filesystem::path& path, ScratchKind kind);
 // Returns the payload of the frame that begins at byte `at`. Errors: io, corrupt.
 Result<BigVector<std::byte>> read_frame_at(const std::filesystem::path& path, ScratchKind kind, const FrameOwner& owner,
                                            std::uint64_t at);

@@ -14,7 +14,7 @@ Status check_inside(const std::filesystem::path& folder, const std::filesystem::
   const auto outside = [&] { return error(Errc::usage, path.string() + ": lies outside " + folder.string()); };
   if (path.empty()) return outside();
   const auto outer = real(folder), inner = real(path);
-  if (failed) return error(Errc::io, path.string() + ": cannot be looked at: " + failed.message());
+  if (failed) return error(Errc::io, path.string() + ": cannot be examined: " + failed.message());
   const auto [at_outer, at_inner] = std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end());
   if (at_outer == outer.end() && at_inner != inner.end()) return success();
   return outside();

@@ -33,7 +33,7 @@ constexpr const char* of_stage = ".stage";
 constexpr const char* new_run = ".run.new";
 constexpr const char* unfinished = ".unfinished-";
 constexpr const char* removed = ".removed-";
-constexpr const char* desk = ".desk-";
+constexpr const char* staging_prefix = ".desk-";
 constexpr const char* authority = "ca";
 constexpr const char* certificate_ending = ".pem";
 constexpr const char* key_ending = ".key";
@@ -165,9 +165,9 @@ fs::path segments_file(const fs::path& run) { return run / "segments.bin"; }
 fs::path points_file(const fs::path& run, ShuffleFileId bundle) { return numbered(points_folder(run), bundle); }
 fs::path attributes_file(const fs::path& run, ShuffleFileId bundle) { return numbered(attributes_folder(run), bundle); }
 fs::path routing_file(const fs::path& run) { return run / "routing.bin"; }
-fs::path stretches_folder(const fs::path& run) { return run / "stretches"; }
-fs::path stretch_file(const fs::path& run, std::uint32_t attempt) {
-  return numbered(stretches_folder(run), attempt, ".bin");
+fs::path routed_splits_folder(const fs::path& run) { return run / "stretches"; }
+fs::path routed_split_file(const fs::path& run, std::uint32_t attempt) {
+  return numbered(routed_splits_folder(run), attempt, ".bin");
 }
 
 fs::path stage_folder(const fs::path& run, std::uint32_t stage) {
@@ -186,11 +186,13 @@ fs::path terms_folder(const fs::path& run) { return run / "terms"; }
 
 fs::path data_reserve_file(const fs::path& data) { return data / "reserve"; }
 fs::path data_format_file(const fs::path& data) { return data / "format"; }
-fs::path part_scratch_folder(const fs::path& scratch, std::uint64_t number) {
+fs::path share_scratch_folder(const fs::path& scratch, std::uint64_t number) {
   return scratch / ("part-" + std::to_string(number));
 }
-fs::path gate_scratch_file(const fs::path& part, NodeId node) { return part / ("node-" + std::to_string(node.value)); }
-bool is_part_scratch_name(const fs::path& file) { return file.filename().string().starts_with("part-"); }
+fs::path outbox_scratch_file(const fs::path& share, NodeId node) {
+  return share / ("node-" + std::to_string(node.value));
+}
+bool is_share_scratch_name(const fs::path& file) { return file.filename().string().starts_with("part-"); }
 fs::path last_words_file(const fs::path& scratch) { return scratch / "life"; }
 fs::path data_identity_file(const fs::path& data) { return data / "id"; }
 fs::path node_scratch_folder(const fs::path& data, const std::string& node) { return data / "scratch" / node; }
@@ -219,9 +221,11 @@ fs::path part_file(const fs::path& final_name) {
 }
 fs::path owner_file(const fs::path& of) { return of.parent_path() / ("." + of.filename().string() + ".owner"); }
 fs::path unfinished_folder(const fs::path& folder, const std::string& job) { return folder / (unfinished + job); }
-fs::path desk_folder(const fs::path& folder, std::uint64_t term) { return folder / (desk + std::to_string(term)); }
-std::optional<std::uint64_t> term_of_desk(const fs::path& file) {
-  const std::string name = file.filename().string(), begin = desk;
+fs::path staging_folder_path(const fs::path& folder, std::uint64_t term) {
+  return folder / (staging_prefix + std::to_string(term));
+}
+std::optional<std::uint64_t> term_of_staging_folder(const fs::path& file) {
+  const std::string name = file.filename().string(), begin = staging_prefix;
   std::uint64_t term = 0;
   const char* const last = name.data() + name.size();
   if (!name.starts_with(begin)) return std::nullopt;
@@ -284,7 +288,7 @@ bool is_settled_name(const fs::path& file) {
 bool is_run_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
   return name == plan_file("") || name == points_folder("") || name == attributes_folder("") ||
-         name == segments_file("") || name == routing_file("") || name == stretches_folder("") ||
+         name == segments_file("") || name == routing_file("") || name == routed_splits_folder("") ||
          name == settled_marker("") || name == terms_folder("") || name == handed_file("", {}).parent_path() ||
          fs::path(name).extension() == of_stage ||
          std::any_of(std::begin(scratch_kinds), std::end(scratch_kinds),

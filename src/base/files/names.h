@@ -117,8 +117,8 @@ std::filesystem::path segments_file(const std::filesystem::path& run);
 std::filesystem::path points_file(const std::filesystem::path& run, ShuffleFileId bundle);
 std::filesystem::path attributes_file(const std::filesystem::path& run, ShuffleFileId bundle);
 std::filesystem::path routing_file(const std::filesystem::path& run);
-std::filesystem::path stretches_folder(const std::filesystem::path& run);
-std::filesystem::path stretch_file(const std::filesystem::path& run, std::uint32_t attempt);
+std::filesystem::path routed_splits_folder(const std::filesystem::path& run);
+std::filesystem::path routed_split_file(const std::filesystem::path& run, std::uint32_t attempt);
 
 // What a tile keeps in scratch files, as frames of this kind. Numbers must never change, because a newer program may
 // resume a run.
@@ -149,10 +149,10 @@ std::filesystem::path terms_folder(const std::filesystem::path& run);
 // The data folder of a service.
 std::filesystem::path data_reserve_file(const std::filesystem::path& data);
 std::filesystem::path data_format_file(const std::filesystem::path& data);
-std::filesystem::path part_scratch_folder(const std::filesystem::path& scratch, std::uint64_t number);
+std::filesystem::path share_scratch_folder(const std::filesystem::path& scratch, std::uint64_t number);
 // The updates that wait for another node.
-std::filesystem::path gate_scratch_file(const std::filesystem::path& part, NodeId node);
-bool is_part_scratch_name(const std::filesystem::path& file);
+std::filesystem::path outbox_scratch_file(const std::filesystem::path& share, NodeId node);
+bool is_share_scratch_name(const std::filesystem::path& file);
 // How the last process with this scratch folder ended, for the next process.
 std::filesystem::path last_words_file(const std::filesystem::path& scratch);
 std::filesystem::path data_identity_file(const std::filesystem::path& data);
@@ -180,10 +180,10 @@ std::filesystem::path tokens_file(const std::filesystem::path& data);
 std::filesystem::path part_file(const std::filesystem::path& final_name);
 // A folder in `folder`, which is renamed to its final name when it is whole.
 std::filesystem::path unfinished_folder(const std::filesystem::path& folder, const std::string& job);
-// desk_folder() is the staging folder of daemon number `term`. A folder that was renamed to removed_folder() belongs to
-// no job any more; each needs another token.
-std::filesystem::path desk_folder(const std::filesystem::path& folder, std::uint64_t term);
-std::optional<std::uint64_t> term_of_desk(const std::filesystem::path& file);
+// staging_folder_path() is the staging folder of daemon number `term`. A folder that was renamed to removed_folder()
+// belongs to no job any more; each needs another token.
+std::filesystem::path staging_folder_path(const std::filesystem::path& folder, std::uint64_t term);
+std::optional<std::uint64_t> term_of_staging_folder(const std::filesystem::path& file);
 std::filesystem::path removed_folder(const std::filesystem::path& folder, const std::string& token);
 
 // Tilesets.

@@ -15,7 +15,7 @@ namespace tessera {
 Result<bool> keep_private(const std::filesystem::path& file, Mend mend) {
   BOOST_OUTCOME_TRY(opened, open_handle(file, O_RDONLY | O_NONBLOCK));
   struct stat status {};
-  if (::fstat(opened.get(), &status) != 0) return io_error(file, "cannot be looked at", errno);
+  if (::fstat(opened.get(), &status) != 0) return io_error(file, "cannot be examined", errno);
   const uid_t self = ::geteuid();
   const bool handed_over = status.st_uid == 0 && self != 0;
   if (self != 0 && self != status.st_uid && !handed_over)
@@ -38,10 +38,10 @@ Status make_private_folder(const std::filesystem::path& folder) {
     return error(Errc::usage, named.string() + ": belongs to another user; name a folder of this user's own");
   };
   struct stat status {};
-  if (::lstat(named.c_str(), &status) != 0) return io_error(named, "cannot be looked at", errno);
+  if (::lstat(named.c_str(), &status) != 0) return io_error(named, "cannot be examined", errno);
   if (S_ISLNK(status.st_mode) && status.st_uid != ::geteuid() && status.st_uid != 0) return others();
   BOOST_OUTCOME_TRY(opened, open_handle(named, O_RDONLY | O_DIRECTORY));
-  if (::fstat(opened.get(), &status) != 0) return io_error(named, "cannot be looked at", errno);
+  if (::fstat(opened.get(), &status) != 0) return io_error(named, "cannot be examined", errno);
   if (status.st_uid != ::geteuid()) return others();
   if ((status.st_mode & S_IWOTH) != 0)
     return error(Errc::usage, named.string() + ": others can write to it; its rights must be 0700");

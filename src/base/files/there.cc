@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-constexpr const char* refused = "cannot be looked at";
+constexpr const char* refused = "cannot be examined";
 
 }  // namespace
 
@@ -47,7 +47,7 @@ Result<std::uint64_t> file_bytes(const std::filesystem::path& path) {
   if (bytes) return *bytes;
   BOOST_OUTCOME_TRY(there, is_there(path));
   if (!there) return io_error(path, refused, ENOENT);
-  return error(Errc::io, path.string() + ": is no regular file");
+  return error(Errc::io, path.string() + ": is not a regular file");
 }
 
 Result<std::optional<std::uint64_t>> bytes_if_there(const std::filesystem::path& path, FollowLinks links) {

@@ -44,7 +44,7 @@ Status check_purposes(X509& certificate, const fs::path& file) {
   for (const int purpose : {X509_PURPOSE_SSL_SERVER, X509_PURPOSE_SSL_CLIENT})
     if (X509_check_purpose(&certificate, purpose, 0) != 1)
       return error(Errc::usage,
-                   file.string() + ": is no certificate of a node: it must be for both servers and clients");
+                   file.string() + ": is not a certificate of a node: it must be for both servers and clients");
   return success();
 }
 
@@ -80,7 +80,7 @@ Status check_node(const fs::path& authority, const fs::path& certificate, const 
   BOOST_OUTCOME_TRY(authorities, read_certificates(authority));
   for (const auto& one : authorities)
     if (X509_check_ca(one.get()) == 0)
-      return error(Errc::usage, authority.string() + ": is no certificate of an authority");
+      return error(Errc::usage, authority.string() + ": is not a certificate of an authority");
   BOOST_OUTCOME_TRY(chain, read_certificates(certificate));
   BOOST_OUTCOME_TRY(own_key, read_key(key));
   X509& own = *chain.front();
@@ -107,7 +107,8 @@ Status check_node(const fs::path& authority, const fs::path& certificate, const 
 std::string expiry_warning(system_clock::time_point end, system_clock::time_point now) {
   constexpr std::chrono::hours day{24};
   constexpr int days_ahead = 30;
-  if (now >= end) return "has expired on " + date_text(end) + ": whoever loses his connections does not come back";
+  if (now >= end)
+    return "has expired on " + date_text(end) + ": a node that loses its connections cannot connect again";
   const auto days = (end - now) / day;
   if (days >= days_ahead) return {};
   return "ends on " + date_text(end) + ", in " + std::to_string(days) + (days == 1 ? " day" : " days") +
@@ -121,9 +122,9 @@ Result<NodeCertificate> node_certificate_in(const fs::path& folder) {
     if (auto node = node_of_certificate(name); !node.empty()) nodes.push_back(std::move(node));
   if (reader.error()) return io_error(folder, "cannot be read", reader.error().value());
   if (nodes.empty())
-    return error(Errc::usage, folder.string() + ": holds no certificate of a node, " +
+    return error(Errc::usage, folder.string() + ": holds no certificate of a node: the files " +
                                   node_certificate_file("", "NAME").string() + " and " +
-                                  node_key_file("", "NAME").string());
+                                  node_key_file("", "NAME").string() + " are missing");
   // A certificate that was copied with a chain, or an old one, has no key beside it.
   std::vector<std::string> whole;
   for (const auto& node : nodes) {

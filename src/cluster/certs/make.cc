@@ -45,7 +45,7 @@ bool can_be_name(std::string_view text) {
 }
 
 constexpr const char* rule =
-    "must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit, of A-Z and a-z";
+    "must be 1 to 64 characters of A-Z, a-z, 0-9, '.', '_' and '-', and begin with a letter or digit";
 
 Result<int> days_of(const CertificateOptions& options, int normal) {
   const int days = options.days.value_or(normal);
@@ -165,21 +165,21 @@ std::string alternative_name(const std::string& name) {
 }  // namespace
 
 Status check_node_name(const std::string& name) {
-  if (!can_be_name(name)) return error(Errc::usage, "'" + name + "' is no name of a node: it " + rule);
+  if (!can_be_name(name)) return error(Errc::usage, "'" + name + "' cannot be the name of a node: it " + rule);
   if (node_certificate_file("", name) == authority_file(""))
-    return error(Errc::usage, "'" + name + "' is no name of a node: the files of the authority are called so");
+    return error(Errc::usage, "'" + name + "' cannot be the name of a node: the files of the authority have this name");
   return success();
 }
 
 Status make_authority(const fs::path& folder, const CertificateOptions& options) {
   if (!can_be_name(options.cluster))
-    return error(Errc::usage, "'" + options.cluster + "' is no name of a cluster: it " + rule);
+    return error(Errc::usage, "'" + options.cluster + "' cannot be the name of a cluster: it " + rule);
   BOOST_OUTCOME_TRY(days, days_of(options, authority_days));
   BOOST_OUTCOME_TRYV(make_folder(folder));
   const auto lock = FolderLock::take(folder);
   if (!lock) return lock.error();
   const fs::path file = authority_file(folder), key_file = authority_key_file(folder);
-  BOOST_OUTCOME_TRYV(check_new({file, key_file}, "with another authority, the nodes of this one would be strangers"));
+  BOOST_OUTCOME_TRYV(check_new({file, key_file}, "another authority would not know the nodes of this one"));
   BOOST_OUTCOME_TRY(key, make_key());
   BOOST_OUTCOME_TRY(made, blank_certificate(*key, options.now - clocks_differ, options.now + std::chrono::days(days)));
   // The authority's name has two parts and a node's has one, so no node has the same name.

@@ -75,7 +75,7 @@ Result<std::vector<Certificate>> read_certificates(const fs::path& file) {
   while (Certificate one{PEM_read_bio_X509(bio.get(), nullptr, no_passphrase, nullptr)}) all.push_back(std::move(one));
   const bool at_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
   ERR_clear_error();
-  if (all.empty() || !at_end) return error(Errc::usage, file.string() + ": is no certificate in PEM");
+  if (all.empty() || !at_end) return error(Errc::usage, file.string() + ": is not a certificate in PEM format");
   return all;
 }
 
@@ -85,7 +85,7 @@ Result<PrivateKey> read_key(const fs::path& file) {
   BOOST_OUTCOME_TRY(bio, bytes.bio());
   PrivateKey key(PEM_read_bio_PrivateKey(bio.get(), nullptr, no_passphrase, nullptr));
   ERR_clear_error();
-  if (!key) return error(Errc::usage, file.string() + ": is no key in PEM, or one with a passphrase");
+  if (!key) return error(Errc::usage, file.string() + ": is not a key in PEM format, or it has a passphrase");
   return key;
 }
 

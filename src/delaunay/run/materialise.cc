@@ -65,7 +65,8 @@ class PointsOfResult final : public TilePoints {
       std::size_t from = i;  // own vertices stay where they are
       if (owners[i] != tile) {
         const auto found = foreign.find(ids[i]);
-        if (found == foreign.end()) return error(Errc::internal, "a vertex of a tile's cells is none of its points");
+        if (found == foreign.end())
+          return error(Errc::internal, "a vertex of a tile's cells is not one of the tile's points");
         from = found->second;
       }
       std::memcpy(&rows[i * width], &tile_.rows[from * width], width);
@@ -135,8 +136,8 @@ class Maker {
                       (!kept.digest || entry->digest == kept.digest);
     if (!same)
       return error(Errc::corrupt, source_.file(index).string() +
-                                      ": other cells follow from its points than the "
-                                      "manifest says");
+                                      ": its points do not make the cells that the "
+                                      "manifest describes");
     BOOST_OUTCOME_TRYV(columns.put_into(tile_file(out_, *entry), *entry, stop_));
     return *entry;
   }
@@ -241,7 +242,7 @@ Result<Materialised> into_folder(const fs::path& result, const MaterialiseOption
                                  const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(source, TileSource::open(result));
   BOOST_OUTCOME_TRY(there, is_there(options.to));
-  if (there) return error(Errc::usage, options.to.string() + ": is there already");
+  if (there) return error(Errc::usage, options.to.string() + ": exists already");
   Materialised made{.folder = options.to};
   BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(options.to)));
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));

@@ -52,7 +52,7 @@ std::uint64_t bytes_a_point(const ResultStages& stages, const TileSource& source
 
 Result<std::shared_ptr<const ResultStages>> ResultShares::kind(const std::string& name) const {
   const auto found = kinds_.find(name);
-  if (found == kinds_.end()) return error(Errc::internal, "this node does not know jobs of the kind " + name);
+  if (found == kinds_.end()) return error(Errc::internal, "this node cannot run jobs of the kind " + name);
   return found->second;
 }
 
@@ -70,61 +70,62 @@ Result<std::unique_ptr<Share>> ResultShares::open(const ShareSpec& spec, NodeId 
   const std::filesystem::path run = spec.run_folder;
   BOOST_OUTCOME_TRY(stages, kind(spec.stages));
   BOOST_OUTCOME_TRY(source, TileSource::open(spec.out_folder));
-  if (spec.table.stage >= stages->count()) return error(Errc::internal, run.string() + ": has no such stage");
+  if (spec.table.stage >= stages->count())
+    return error(Errc::internal, run.string() + ": does not have the stage that the job asks for");
   auto weights = weights_of(source);
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != weights.size())
-    return error(Errc::internal, spec.out_folder + ": has other tiles than the job");
+    return error(Errc::internal, spec.out_folder + ": has another number of tiles than the job");
   const auto here = [&](TileId tile) {
     return tile.value < weights.size() && weights[tile.value] > 0 && spec.table.node_of(tile) == self;
   };
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(weights.begin(), weights.end(), [](auto w) { return w > 0; }));
-  auto part = std::make_unique<ResultShare>();
+  auto share = std::make_unique<ResultShare>();
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = keepers_.find(spec.run_folder); found != keepers_.end()) part->keeper = found->second;
+    if (const auto found = keepers_.find(spec.run_folder); found != keepers_.end()) share->keeper = found->second;
   }
   BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));
-  part->plan = std::move(plan);
-  const std::uint64_t seal = seal_of_plan(part->plan);
+  share->plan = std::move(plan);
+  const std::uint64_t seal = seal_of_plan(share->plan);
   const bool many_nodes = spec.shares > 0;
   if (many_nodes) {
-    BOOST_OUTCOME_TRY(scratch, new_part_folder(scratch_));
-    part->scratch = std::move(scratch);
+    BOOST_OUTCOME_TRY(scratch, new_share_folder(scratch_));
+    share->scratch = std::move(scratch);
     std::uint64_t peers = 4;  // and some nodes that may join
     for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
-    part->outboxes = outboxes_within(budget::gate_bytes(spec.memory_bytes), peers);
+    share->outboxes = outboxes_within(budget::outbox_bytes(spec.memory_bytes), peers);
   }
-  const auto own = many_nodes ? part->scratch : run;
+  const auto own = many_nodes ? share->scratch : run;
   const std::uint64_t kept = kept_part(spec.memory_bytes);
-  BOOST_OUTCOME_TRY(programs, stages->programs({source.stopped_by(part->stopping.get_token()), run, own, part->plan,
-                                                seal, self, kept, part->stopping.get_token()}));
+  BOOST_OUTCOME_TRY(programs, stages->programs({source.stopped_by(share->stopping.get_token()), run, own, share->plan,
+                                                seal, self, kept, share->stopping.get_token()}));
   ShareStage one;
   one.schedule.threads = spec.threads;
-  const std::uint64_t others = kept + (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0);
+  const std::uint64_t others = kept + (many_nodes ? budget::outbox_bytes(spec.memory_bytes) : 0);
   one.schedule.memory_bytes = budget::for_tiles(spec.memory_bytes - others, spec.threads, tiles);
   one.schedule.begin_bytes = one.schedule.collect_bytes = bytes_a_point(*stages, source);
   one.schedule.mail_growth = 1.5;
   one.schedule.settle_asleep = one.context.many_nodes = many_nodes;
   one.context.mail_bytes_max = budget::mail_bytes_max(spec.memory_bytes, tiles);
   for (std::uint32_t stage = 0; stage < stages->count(); ++stage) {
-    DiskScratch& storage = *part->storages.emplace_back(std::make_unique<DiskScratch>(
+    DiskScratch& storage = *share->storages.emplace_back(std::make_unique<DiskScratch>(
         DiskScratchOptions{stage_folder(run, stage), stage_folder(own, stage), seal, spec.lock_file, self}));
     one.context.storage = &storage;
     one.context.programs = std::move(programs.at(stage));
     if (many_nodes) one.sync_settled = [&storage] { return storage.sync_settled(); };
     // Mail of an earlier process was for tiles that no longer exist.
     BOOST_OUTCOME_TRYV(storage.clear(ScratchKind::mail));
-    part->stages.push_back(one);
+    share->stages.push_back(one);
   }
-  part->table = std::make_shared<const RoutingTable>(spec.table);
+  share->table = std::make_shared<const RoutingTable>(spec.table);
   BOOST_OUTCOME_TRY(stored, stages->stored(run, spec.table.stage));
-  std::copy_if(stored.begin(), stored.end(), std::back_inserter(part->stored),
+  std::copy_if(stored.begin(), stored.end(), std::back_inserter(share->stored),
                [&](const TileReceipt& tile) { return here(tile.tile); });
-  BOOST_OUTCOME_TRY(settled, is_settled(run, *part, static_cast<std::uint32_t>(weights.size()), here));
-  part->settled = settled;
-  part->weights = std::make_shared<const std::vector<std::uint64_t>>(std::move(weights));
-  return std::unique_ptr<Share>(std::move(part));
+  BOOST_OUTCOME_TRY(settled, is_settled(run, *share, static_cast<std::uint32_t>(weights.size()), here));
+  share->settled = settled;
+  share->weights = std::make_shared<const std::vector<std::uint64_t>>(std::move(weights));
+  return std::unique_ptr<Share>(std::move(share));
 }
 
 }  // namespace tessera

@@ -82,8 +82,9 @@ namespace {
 // Of each tile that is the node's; 0 of the others.
 Result<std::vector<std::uint64_t>> points_of_share(const ShareSpec& spec, const RoutedCloud& run, NodeId self) {
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != run.tile_points.size())
-    return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
-  if (spec.table.stage > 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
+    return error(Errc::internal, spec.run_folder + ": has another number of tiles than the job");
+  if (spec.table.stage > 0)
+    return error(Errc::internal, spec.run_folder + ": has only one stage, and the job asks for another");
   std::vector<std::uint64_t> points = run.tile_points;
   for (std::uint32_t t = 0; t < points.size(); ++t) {
     if (spec.table.node_of(TileId{t}) != self) points[t] = 0;
@@ -151,7 +152,7 @@ Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId 
   const TileKind kind = kind_of_tiles(how.store, cloud);
   const bool reduce = reduces(how, points, *run, kind, spec);
   const bool many_nodes = spec.shares > 0;
-  BOOST_OUTCOME_TRY(scratch, many_nodes ? new_part_folder(scratch_) : std::filesystem::path());
+  BOOST_OUTCOME_TRY(scratch, many_nodes ? new_share_folder(scratch_) : std::filesystem::path());
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
   // allocator belongs to the process: once a job has asked for this, it stays so for all jobs, and costs them page
   // faults.
@@ -159,47 +160,47 @@ Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId 
   // The kernels' arrays go back to the system, too, except for a small pool in which a few of them take turns: fresh
   // pages from the system cost as much time as the work in them.
   const std::uint64_t pool_bytes = reduce ? spec.memory_bytes / 16 : spec.memory_bytes / 4;
-  auto part = std::make_unique<DiskShare>(run, std::move(scratch), spec.out_folder,
-                                          StoreOptions{.neighbors = how.neighbors,
-                                                       .schema = run->schema,
-                                                       .lock_file = spec.lock_file,
-                                                       .node = self,
-                                                       .sync = many_nodes},
-                                          spec.threads + 1, taker, pool_bytes);  // one waits for the disk, mostly
+  auto share = std::make_unique<DiskShare>(run, std::move(scratch), spec.out_folder,
+                                           StoreOptions{.neighbors = how.neighbors,
+                                                        .schema = run->schema,
+                                                        .lock_file = spec.lock_file,
+                                                        .node = self,
+                                                        .sync = many_nodes},
+                                           spec.threads + 1, taker, pool_bytes);  // one waits for the disk, mostly
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
   ShareStage only;
   only.schedule = schedule_of(spec, run->dimension, how.kernel, kind, reduce, tiles,
-                              (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0) + (reduce ? pool_bytes : 0));
+                              (many_nodes ? budget::outbox_bytes(spec.memory_bytes) : 0) + (reduce ? pool_bytes : 0));
   TileContext& context = only.context;
   if (many_nodes) {
     std::uint64_t peers = 4;  // and some nodes that may join
     for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
-    part->outboxes = outboxes_within(budget::gate_bytes(spec.memory_bytes), peers);
+    share->outboxes = outboxes_within(budget::outbox_bytes(spec.memory_bytes), peers);
   }
   context.many_nodes = only.schedule.settle_asleep = many_nodes;
-  if (many_nodes) only.sync_settled = [storage = &part->storage] { return storage->sync_settled(); };
+  if (many_nodes) only.sync_settled = [storage = &share->storage] { return storage->sync_settled(); };
   auto stage = stage_of(run, how.kernel, kind, reduce);
   stage->early_points = taker ? 0 : early_points_of(cloud);
-  if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
-  part->table = std::make_shared<const RoutingTable>(spec.table);
-  stage->storage = context.storage = &part->storage;
-  stage->store = &part->store;
-  stage->stop = part->stopping.get_token();
+  if (reduce) share->heap_trim.set_often(spec.memory_bytes / 256);
+  share->table = std::make_shared<const RoutingTable>(spec.table);
+  stage->storage = context.storage = &share->storage;
+  stage->store = &share->store;
+  stage->stop = share->stopping.get_token();
   context.programs = std::move(stage);
   context.mail_bytes_max = budget::mail_bytes_max(spec.memory_bytes, tiles);
-  part->mail = std::make_unique<MailCounts>(
-      parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
-  part->weights = shared(run, run->tile_points);
-  part->stages.push_back(std::move(only));
+  share->mail = std::make_unique<MailCounts>(
+      map_regions_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::regions_max));
+  share->weights = shared(run, run->tile_points);
+  share->stages.push_back(std::move(only));
   // Mail of an earlier process was for tiles that no longer exist.
-  BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
+  BOOST_OUTCOME_TRYV(share->storage.clear(ScratchKind::mail));
   const auto here = [&](TileId tile) { return tile.value < points.size() && points[tile.value] > 0; };
   BOOST_OUTCOME_TRY(stored, receipts_of(spec.out_folder, here));
-  part->stored = std::move(stored);
-  BOOST_OUTCOME_TRY(all_settled, is_settled(run->folder, *part, static_cast<std::uint32_t>(points.size()), here));
-  part->settled = all_settled;
-  return std::unique_ptr<Share>(std::move(part));
+  share->stored = std::move(stored);
+  BOOST_OUTCOME_TRY(all_settled, is_settled(run->folder, *share, static_cast<std::uint32_t>(points.size()), here));
+  share->settled = all_settled;
+  return std::unique_ptr<Share>(std::move(share));
 }
 
 }  // namespace tessera

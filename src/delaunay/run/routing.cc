@@ -24,7 +24,7 @@ Result<proto::Routing> read_routing(const std::filesystem::path& path) {
   BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::routing, {}));
   proto::Routing routing;
   if (!routing.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    return damaged_run(path, "is not what a coordinator writes");
+    return damaged_run(path, "is not a valid description of how the points are routed");
   return routing;
 }
 
@@ -48,7 +48,8 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
   CloudOptions options;
   options.dimension = routing.dimension();
   options.skip_invalid = routing.skip_invalid();
-  if (routing.returns() > static_cast<std::uint32_t>(Returns::single)) return refuse("wants unknown returns");
+  if (routing.returns() > static_cast<std::uint32_t>(Returns::single))
+    return refuse("has an unknown choice of returns");
   options.returns = static_cast<Returns>(routing.returns());
   if (routing.crop_size() == 6) {
     const auto& c = routing.crop();
@@ -57,19 +58,20 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
   options.classes.assign(routing.classes().begin(), routing.classes().end());
   options.without.assign(routing.without().begin(), routing.without().end());
   options.columns.assign(routing.columns().begin(), routing.columns().end());
-  if (!check_columns(options.columns)) return refuse("names columns that make no points");
+  if (!check_columns(options.columns)) return refuse("has names of columns that cannot be read as points");
   options.resolution = routing.resolution();
   options.threads = threads;
   return Cloud::of(std::move(files), std::move(schema), std::move(options));
 }
 
-Result<InputSplit> stretch_of(const proto::Routing& routing, const std::filesystem::path& path, std::size_t number) {
-  if (number >= static_cast<std::size_t>(routing.splits_size())) return damaged_run(path, "has no such stretch");
+Result<InputSplit> split_of(const proto::Routing& routing, const std::filesystem::path& path, std::size_t number) {
+  if (number >= static_cast<std::size_t>(routing.splits_size()))
+    return damaged_run(path, "does not have the piece of the input that is asked for");
   InputSplit split;
   for (const auto& from : routing.splits(static_cast<int>(number)).ranges()) {
     if (from.file() >= static_cast<std::uint64_t>(routing.files_size()) ||
         !proto::Routing::Range::Of_IsValid(from.of()))
-      return damaged_run(path, "has a stretch of no file");
+      return damaged_run(path, "has a piece of the input that belongs to no file");
     split.ranges.push_back({from.file(), static_cast<Of>(from.of()), from.begin(), from.count()});
   }
   return split;
@@ -125,7 +127,7 @@ Status route_split(const std::filesystem::path& run_folder, std::size_t split, s
   const auto path = routing_file(run_folder);
   BOOST_OUTCOME_TRY(routing, read_routing(path));
   BOOST_OUTCOME_TRY(cloud, cloud_of(routing, path, threads));
-  BOOST_OUTCOME_TRY(wanted, stretch_of(routing, path, split));
+  BOOST_OUTCOME_TRY(wanted, split_of(routing, path, split));
   auto partition = Partition::from_json(routing.partition());
   if (!partition) return damaged_run(path, partition.error().where);
   return route_split(cloud, wanted, partition.value(), work, stop);

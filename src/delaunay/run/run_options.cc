@@ -20,7 +20,7 @@ Result<DelaunayOptions> delaunay_options_from_bytes(const std::string& bytes) {
   if (!message.ParseFromString(bytes) || !proto::DelaunayOptions::Kernel_IsValid(message.kernel()) ||
       !proto::DelaunayOptions::TileRetention_IsValid(message.keep()) ||
       !proto::DelaunayOptions::Store_IsValid(message.store())) {
-    return error(Errc::internal, "what a job's programs must know cannot be read");
+    return error(Errc::internal, "the options of a job cannot be read");
   }
   return DelaunayOptions{static_cast<KernelKind>(message.kernel()), static_cast<TileRetention>(message.keep()),
                          static_cast<StoreAs>(message.store()), message.neighbors()};

@@ -10,8 +10,8 @@
 #include "src/front/api/errors.h"
 #include "src/front/api/find_simplex.h"
 #include "src/geometry/kernel/kernel.h"
+#include "src/tiling/affine_basis.h"
 #include "src/tiling/routed_cloud.h"
-#include "src/tiling/span_finder.h"
 #include "src/tiling/tile/collect.h"
 
 namespace tessera {

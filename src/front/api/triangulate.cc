@@ -74,7 +74,7 @@ class WatchedJob {
   void abandon() {
     stop_.request_stop();
     if (outcome_.valid()) outcome_.wait();
-    keep_run_ ? static_cast<void>(folder_.interrupted()) : folder_.abandon();
+    keep_run_ ? static_cast<void>(folder_.abandon_unless_resumable()) : folder_.abandon();
   }
   JobProgress progress() const { return look(progress_); }
 

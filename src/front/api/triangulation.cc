@@ -90,7 +90,7 @@ Proof Triangulation::verify(const VerifyRequest& request) const {
 
 std::string file_checksum(const std::filesystem::path& file, bool in_pieces) {
   return guarded([&] {
-    const auto sum = checksum_file(file, in_pieces ? SumOf::pieces : SumOf::bytes);
+    const auto sum = checksum_file(file, in_pieces ? ChecksumOf::pieces : ChecksumOf::bytes);
     if (!sum) throw_failure(sum.error());
     return checksum_text(sum.value());
   });

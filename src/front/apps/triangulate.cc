@@ -62,7 +62,7 @@ Status run_triangulate(TriangulateOptions options) {
       folder.abandon();
       return error(Errc::interrupted, "interrupted; standard input cannot be read again, so nothing is kept");
     }
-    const bool resumable = folder.interrupted();
+    const bool resumable = folder.abandon_unless_resumable();
     return error(Errc::interrupted, resumable ? "interrupted; the same command with --resume continues"
                                               : "interrupted while reading the input; nothing is kept");
   }

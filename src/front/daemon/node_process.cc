@@ -47,7 +47,7 @@ class Health final : public http::NodeHealth {
 
   http::NodeFigures figures() const override {
     const NodeWork work = engine_.work();
-    const NodePlace place = engine_.membership_status();
+    const MembershipStatus status = engine_.membership_status();
     http::NodeFigures out;
     out.memory_budget_bytes = options_.memory_bytes;
     out.memory_used_bytes = engine_.memory_used();
@@ -61,18 +61,18 @@ class Health final : public http::NodeHealth {
     out.bytes_sent = work.outboxes.bytes;
     out.credit_waits = work.outboxes.waits;
     out.waiting_bytes = work.waiting_bytes;
-    out.members = place.others;
-    out.member = place.member;
+    out.members = status.others;
+    out.member = status.member;
     out.certificate_end_s = static_cast<double>(options_.cluster->certificate_end_s);
     out.lease_seconds = std::chrono::duration<double>(options_.cluster->lease).count();
-    out.silent_seconds = static_cast<double>(place.silent_ms) / 1000;
+    out.silent_seconds = static_cast<double>(status.silent_ms) / 1000;
     return out;
   }
   std::optional<std::string> unready() const override {
-    const NodePlace place = engine_.membership_status();
-    if (place.leaves) return "leaves the cluster";
-    if (place.member) return std::nullopt;
-    return place.trouble;
+    const MembershipStatus status = engine_.membership_status();
+    if (status.leaves) return "leaves the cluster";
+    if (status.member) return std::nullopt;
+    return status.trouble;
   }
 
  private:
@@ -88,7 +88,7 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
   BOOST_OUTCOME_TRY(lock, FolderLock::take(scratch));
   FolderReader reader(scratch);
   while (const char* name = reader.next()) {
-    if (!is_part_scratch_name(name)) continue;
+    if (!is_share_scratch_name(name)) continue;
     BOOST_OUTCOME_TRYV(remove_whole(scratch / name));
   }
   if (reader.error()) return io_error(scratch, "cannot be listed", reader.error().value());

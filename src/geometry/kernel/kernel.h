@@ -37,20 +37,20 @@ inline constexpr std::uint32_t across_frozen = std::uint32_t{1} << 31;
 
 // A cell as the flat kernels keep it. A neighbour is 4 * row + k: the common facet is opposite vertices[k] of that row.
 // In 2D the last entry of each array is not used.
-struct alignas(32) CellRow {
+struct alignas(32) CellRecord {
   // The largest number of rows.
   static constexpr std::size_t most = std::size_t{1} << 29;
   static constexpr Vertex gap = ~Vertex{0};  // vertices[0] of a row without a cell
   Vertex vertices[4];
   std::uint32_t neighbors[4];
 };
-using CellRows = flat::Array<CellRow>;
+using CellRecords = flat::Array<CellRecord>;
 
 // Final cells: no point will ever be in conflict with them. A kernel that hands such cells out and forgets them has
 // frozen them. The number of a frozen cell is its row.
 struct FinalCells {
   static constexpr std::uint32_t open = ~std::uint32_t{0};  // a neighbour that is not final
-  CellRows rows;           // without gaps; a neighbour is 4 * row + k in this list, or open
+  CellRecords rows;        // without gaps; a neighbour is 4 * row + k in this list, or open
   std::size_t others = 0;  // the number of cells that stay in the kernel, infinite cells included
 };
 
@@ -127,7 +127,7 @@ class Kernel {
   // All cells with their neighbours, infinite cells included. REQUIRES: dimension() == max_dimension().
   virtual CellList cells() const = 0;
   // The same cells as rows, some of which may be gaps. The kernel can then only be destroyed, built or loaded.
-  virtual CellRows take_cells() = 0;
+  virtual CellRecords take_cells() = 0;
 
   // Returns the open cells, d+1 vertices a cell: those that may still change. A cell with an infinite or foreign vertex
   // is open; `is_final` answers for other cells. The search begins at the infinite vertex and the foreign vertices and

@@ -13,10 +13,10 @@ namespace tessera {
 // 1 numbers. When `take` fails, the function stops and returns that failure.
 class CellStream {
  public:
-  using Take = std::function<Status(std::span<const std::int32_t>)>;
+  using Consumer = std::function<Status(std::span<const std::int32_t>)>;
   virtual ~CellStream() = default;
-  virtual Status vertices(const Take& take) const = 0;   // the numbers of TileMesh::cells
-  virtual Status neighbors(const Take& take) const = 0;  // the numbers of TileMesh::neighbors
+  virtual Status vertices(const Consumer& take) const = 0;   // the numbers of TileMesh::cells
+  virtual Status neighbors(const Consumer& take) const = 0;  // the numbers of TileMesh::neighbors
 };
 
 }  // namespace tessera

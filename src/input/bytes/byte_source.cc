@@ -111,7 +111,7 @@ Result<std::unique_ptr<ByteSource>> open_descriptor(const std::filesystem::path&
         Errc::bad_input,
         path.string() + (S_ISDIR(status.st_mode)
                              ? ": is a folder"
-                             : ": is not a regular file (of pipes and devices only standard input is read, as '-')"));
+                             : ": is not a regular file; of pipes and devices, only standard input is read, as '-'"));
   }
   ::posix_fadvise(file, 0, 0, POSIX_FADV_SEQUENTIAL);
   return std::unique_ptr<ByteSource>(new FileSource(path, content_name, file, status));

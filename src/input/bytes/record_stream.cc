@@ -8,7 +8,7 @@ Status RecordStream::check_size() const {
   const std::uint64_t there = source_->size() > offset_ ? (source_->size() - offset_) / record_bytes_ : 0;
   if (count_ <= there) return success();
   return error(Errc::bad_input, source_->path().string() + ", record " + std::to_string(there) +
-                                    ": the file ends before or within it, but its header promises " +
+                                    ": the file ends before or within this record, but its header promises " +
                                     std::to_string(count_) + " records");
 }
 

@@ -59,28 +59,28 @@ struct Spool::Origin {
 
 class Spool::Source : public ByteSource {
  public:
-  struct Place {
+  struct Extent {
     std::uint64_t begin, size, stored_bytes;
   };
-  Source(std::shared_ptr<File> file, Origin origin, Place place)
-      : file_(std::move(file)), origin_(std::move(origin)), place_(place) {}
+  Source(std::shared_ptr<File> file, Origin origin, Extent extent)
+      : file_(std::move(file)), origin_(std::move(origin)), extent_(extent) {}
 
   const std::filesystem::path& path() const override { return origin_.path; }
-  std::uint64_t size() const override { return place_.size; }
+  std::uint64_t size() const override { return extent_.size; }
   std::int64_t modified_ns() const override { return origin_.modified_ns; }
-  std::uint64_t stored_bytes() const override { return place_.stored_bytes; }
+  std::uint64_t stored_bytes() const override { return extent_.stored_bytes; }
   std::string packing() const override { return origin_.packing; }
   std::filesystem::path content_name() const override { return origin_.content_name; }
 
   Status read(std::uint64_t offset, std::span<std::byte> out) const override {
-    return read_at(file_->handle.get(), place_.begin + offset, out, origin_.path);
+    return read_at(file_->handle.get(), extent_.begin + offset, out, origin_.path);
   }
   Status check_unchanged() const override { return success(); }  // no other process can reach the file
 
  private:
   std::shared_ptr<File> file_;
   Origin origin_;
-  Place place_;
+  Extent extent_;
 };
 
 Spool::Spool(std::filesystem::path folder, std::stop_token stop, std::uint64_t bytes_max)
@@ -112,7 +112,7 @@ Result<std::shared_ptr<const ByteSource>> Spool::keep(Origin origin, FileFormat 
       return unknown_format(origin.path);
     if ((bytes_ += block.size()) > bytes_max_ && bytes_max_ > 0) {
       return error(Errc::memory, name +
-                                     ": holds more than may be unpacked here: with it and what came before it, over " +
+                                     ": is too large to unpack here: with the files unpacked before it, it exceeds " +
                                      megabytes(bytes_max_));
     }
     BOOST_OUTCOME_TRYV(Ledger::draw_write(block.size()));
@@ -133,7 +133,7 @@ Result<std::shared_ptr<const ByteSource>> Spool::keep(Origin origin, FileFormat 
   BOOST_OUTCOME_TRYV(unpack(packing, in, name, write));
   origin.packing = packing_name(packing);
   auto source =
-      std::make_shared<const Source>(file, std::move(origin), Source::Place{begin, file->size - begin, in.position()});
+      std::make_shared<const Source>(file, std::move(origin), Source::Extent{begin, file->size - begin, in.position()});
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(file));
   return std::shared_ptr<const ByteSource>(std::move(source));

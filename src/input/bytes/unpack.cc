@@ -50,7 +50,8 @@ class Complaint {
   }
   Error followed() const {
     return bad("its " + stream() + " ends at byte " + std::to_string(in_.position()) +
-               ", and what follows is none; the file is damaged or not only " + packing_name(packing_));
+               ", but the bytes after it are not such a stream; the file is damaged or not only " +
+               packing_name(packing_));
   }
   Error too_large_a_window() const {
     return bad(

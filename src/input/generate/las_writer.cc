@@ -72,7 +72,7 @@ class LasWriter : public PointWriter {
         if (!(std::abs(steps) <= integer_max))
           return error(Errc::bad_input, file_.path().string() + ", point " + std::to_string(written_ + i) + ": " +
                                             std::string(1, "xyz"[axis]) + " = " + std::to_string(value) +
-                                            " does not fit the LAS file's integers");
+                                            " is too large for the integers of the LAS file");
         store(record + 4 * axis, static_cast<std::int32_t>(steps));
         bounds_.lo[axis] = std::min(bounds_.lo[axis], value);
         bounds_.hi[axis] = std::max(bounds_.hi[axis], value);

@@ -126,7 +126,7 @@ class RecordWalk {
         return error(Errc::bad_input, source_.path().string() + ", " + kind + std::to_string(i) + " of " +
                                           std::to_string(count) + ": " + what);
       };
-      if (at > end || end - at < head_bytes) return bad("begins or ends beyond the place for such records");
+      if (at > end || end - at < head_bytes) return bad("lies outside the part of the file for such records");
       std::array<std::byte, 60> head{};
       BOOST_OUTCOME_TRYV(source_.read(at, std::span(head).first(head_bytes)));
       const std::uint64_t length =
@@ -186,7 +186,7 @@ void settle_crs(const Projection& projection, LasHeader& header) {
   }
   if (header.crs.empty()) header.crs = projection.other_wkt;
   if (header.crs.empty() && !projection.wkt.empty() && header.crs_note.empty())
-    header.crs_note = "its well-known text is not understood: " + projection.wkt + " is no coordinate system";
+    header.crs_note = "its well-known text is not understood: " + projection.wkt + " is not a coordinate system";
 }
 
 // Scale and offset of each axis. The error: a sentence without the file's name.
@@ -231,19 +231,19 @@ Result<LasHeader> read_las_header(const ByteSource& source) {
   const std::uint16_t header_bytes_min = header.minor == 4 ? 375 : header.minor == 3 ? 235 : 227;
   if (header_bytes < header_bytes_min)
     return bad("the LAS 1." + std::to_string(header.minor) + " header claims " + std::to_string(header_bytes) +
-               " bytes, it has at least " + std::to_string(header_bytes_min));
+               " bytes, but it has at least " + std::to_string(header_bytes_min));
   if (header_bytes > source.size())
     return bad("ends within the LAS header of " + std::to_string(header_bytes) + " bytes");
   if (header.points_at < header_bytes || header.points_at > source.size())
-    return bad("the header puts the points at byte " + std::to_string(header.points_at) + ", but it is " +
+    return bad("the header puts the points at byte " + std::to_string(header.points_at) + ", but the header is " +
                std::to_string(header_bytes) + " bytes long and the file " + std::to_string(source.size()));
   header.compressed = (format & 0x80u) != 0;
   format &= 0x7Fu;
   if (format > 10) return bad("point format " + std::to_string(format) + " is not known; 0 to 10 are");
   header.point_format = static_cast<int>(format);
   if (header.record_bytes < record_bytes_of_format[format])
-    return bad("point records claim " + std::to_string(header.record_bytes) + " bytes, format " +
-               std::to_string(format) + " has at least " + std::to_string(record_bytes_of_format[format]));
+    return bad("point records claim " + std::to_string(header.record_bytes) + " bytes, but those of format " +
+               std::to_string(format) + " have at least " + std::to_string(record_bytes_of_format[format]));
 
   const std::uint64_t legacy_count = load<std::uint32_t>(h.data() + 107);
   header.points = legacy_count;

@@ -10,7 +10,7 @@ namespace {
 
 class PointwiseDecoder : public ChunkDecoder {
  public:
-  PointwiseDecoder(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan, const Chunk& chunk)
+  PointwiseDecoder(const ByteSource& source, const LazLayout& layout, const WantedFields& plan, const Chunk& chunk)
       : source_(source), record_bytes_(plan.record_bytes), chunk_(chunk), chunked_(layout.chunked()) {
     for (const auto& item : layout.items) items_.push_back({make_point_item(item), item.bytes});
   }
@@ -39,7 +39,8 @@ class PointwiseDecoder : public ChunkDecoder {
   // The first point is stored uncompressed.
   Status begin(std::byte* record) {
     begun_ = true;
-    if (chunk_.end - chunk_.begin < record_bytes_) return error(Errc::bad_input, "ends within its first point");
+    if (chunk_.end - chunk_.begin < record_bytes_)
+      return error(Errc::bad_input, "the chunk ends within its first point");
     BOOST_OUTCOME_TRYV(source_.read(chunk_.begin, std::span(record, record_bytes_)));
     for (const auto& item : items_) {
       item.decoder->first(record);
@@ -77,7 +78,7 @@ Status check_stream_end(const ByteFeed& feed) {
 }
 
 std::unique_ptr<ChunkDecoder> make_chunk_decoder(const ByteSource& source, const LazLayout& layout,
-                                                 const RecordPlan& plan, const Chunk& chunk) {
+                                                 const WantedFields& plan, const Chunk& chunk) {
   if (layout.compressor == Compressor::layered_chunked) return make_layered_decoder(source, layout, plan, chunk);
   return std::make_unique<PointwiseDecoder>(source, layout, plan, chunk);
 }

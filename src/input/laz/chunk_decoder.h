@@ -19,7 +19,7 @@ struct Chunk {
 };
 
 // What is to be decoded of records of `record_bytes` bytes.
-struct RecordPlan {
+struct WantedFields {
   std::size_t record_bytes = 0;
   // For each byte of a record, whether the caller needs it. In point formats 6-8, layers without such a byte are not
   // read. x, y and z are always decoded.
@@ -43,9 +43,9 @@ class ChunkDecoder {
 // layout.compressor is not none; chunk.begin <= chunk.end <= source.size(). make_layered_decoder() is for
 // layered_chunked only.
 std::unique_ptr<ChunkDecoder> make_chunk_decoder(const ByteSource& source, const LazLayout& layout,
-                                                 const RecordPlan& plan, const Chunk& chunk);
+                                                 const WantedFields& plan, const Chunk& chunk);
 std::unique_ptr<ChunkDecoder> make_layered_decoder(const ByteSource& source, const LazLayout& layout,
-                                                   const RecordPlan& plan, const Chunk& chunk);
+                                                   const WantedFields& plan, const Chunk& chunk);
 
 // Errors of both kinds of decoders: bytes were missing, or bytes are left over.
 Status check_stream(const class ByteFeed& feed);

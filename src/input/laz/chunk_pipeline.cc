@@ -24,7 +24,7 @@ Error chunk_error(const ByteSource& source, const Chunk& chunk, const Error& rea
                                     std::to_string(chunk.first + chunk.points - 1) + ": " + reason.where);
 }
 
-ChunkPipeline::ChunkPipeline(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan,
+ChunkPipeline::ChunkPipeline(const ByteSource& source, const LazLayout& layout, const WantedFields& plan,
                              std::span<const Chunk> chunks, unsigned threads)
     : source_(source), layout_(layout), plan_(plan), chunks_(chunks), slots_(threads + 1) {
   try {

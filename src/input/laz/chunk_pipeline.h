@@ -32,7 +32,7 @@ Error chunk_error(const ByteSource& source, const Chunk& chunk, const Error& rea
 class ChunkPipeline {
  public:
   // REQUIRES: threads > 0; all references outlive this.
-  ChunkPipeline(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan,
+  ChunkPipeline(const ByteSource& source, const LazLayout& layout, const WantedFields& plan,
                 std::span<const Chunk> chunks, unsigned threads);
   ChunkPipeline(const ChunkPipeline&) = delete;
   ChunkPipeline& operator=(const ChunkPipeline&) = delete;
@@ -56,7 +56,7 @@ class ChunkPipeline {
 
   const ByteSource& source_;
   const LazLayout& layout_;
-  const RecordPlan& plan_;
+  const WantedFields& plan_;
   std::span<const Chunk> chunks_;
 
   std::mutex mutex_;

@@ -19,7 +19,7 @@ Result<std::vector<Chunk>> read_chunk_table(const ByteSource& source, const LazL
 
   std::array<std::byte, 8> raw{};
   const std::uint64_t first_at = points_at + raw.size();
-  if (first_at > source.size()) return bad("the file ends before the place that points to it");
+  if (first_at > source.size()) return bad("the file ends before the number that says where the table is");
   BOOST_OUTCOME_TRYV(source.read(points_at, raw));
   // a writer that cannot go back writes this value at the end of the file instead
   if (load<std::int64_t>(raw.data()) == -1) {
@@ -27,13 +27,13 @@ Result<std::vector<Chunk>> read_chunk_table(const ByteSource& source, const LazL
   }
   const auto table_at = load<std::uint64_t>(raw.data());
   if (table_at < first_at || table_at > source.size() || source.size() - table_at < raw.size())
-    return bad("would stand at byte " + std::to_string(table_at) + " of " + std::to_string(source.size()) +
+    return bad("would be at byte " + std::to_string(table_at) + " of " + std::to_string(source.size()) +
                "; the file was cut off, or its writer did not finish it");
   BOOST_OUTCOME_TRYV(source.read(table_at, raw));
   const auto version = load<std::uint32_t>(raw.data()), count = load<std::uint32_t>(raw.data() + 4);
   if (version != 0) return bad("is of version " + std::to_string(version) + "; only 0 is known");
   if (count > (table_at - first_at) / record_bytes)
-    return bad("lists " + std::to_string(count) + " chunks, which cannot stand in " +
+    return bad("lists " + std::to_string(count) + " chunks, which do not fit in " +
                std::to_string(table_at - first_at) + " bytes");
 
   ArithmeticDecoder decoder(ByteFeed(source, table_at + raw.size(), source.size()));
@@ -61,7 +61,7 @@ Result<std::vector<Chunk>> read_chunk_table(const ByteSource& source, const LazL
   BOOST_OUTCOME_TRYV(decoder.feed().status());
   if (decoder.feed().missing() > 0) return bad("ends before its last chunk");
   if (listed != points)
-    return bad("lists " + std::to_string(listed) + " points, the header promises " + std::to_string(points));
+    return bad("lists " + std::to_string(listed) + " points, but the header promises " + std::to_string(points));
   return chunks;
 }
 

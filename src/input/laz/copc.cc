@@ -96,7 +96,8 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
     if (page.offset > source.size() || page.bytes > source.size() - page.offset)
       return bad_page("its " + std::to_string(page.bytes) + " bytes reach beyond the file");
     // Pages do not overlap. So together they are at most as long as the file, unless they lead in a circle.
-    if ((bytes_read += page.bytes) > source.size()) return bad_page("is longer, with those before it, than the file");
+    if ((bytes_read += page.bytes) > source.size())
+      return bad_page("the pages up to this one are together longer than the file, so they form a circle or overlap");
     raw.resize(page.bytes);
     BOOST_OUTCOME_TRYV(source.read(page.offset, raw));
     for (std::size_t at = 0; at + entry_bytes <= raw.size(); at += entry_bytes) {
@@ -107,7 +108,7 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
       const auto offset = load<std::uint64_t>(entry + 16);
       const auto bytes = load<std::int32_t>(entry + 24), points = load<std::int32_t>(entry + 28);
       if (level < 0 || level > level_max || points < -1 || bytes < 0)
-        return bad_page("entry " + std::to_string(at / entry_bytes) + " is at level " + std::to_string(level) +
+        return bad_page("entry " + std::to_string(at / entry_bytes) + " is impossible: level " + std::to_string(level) +
                         " with " + std::to_string(points) + " points in " + std::to_string(bytes) + " bytes");
       const Bounds cube = octree.cube(level, key);
       if (level > octree.finest || points == 0 || !meets(cube, box)) continue;
@@ -134,7 +135,7 @@ Result<std::vector<Chunk>> chunks_of_nodes(const std::string& path, const std::v
         chunk->points != node.points)
       return error(Errc::bad_input, path + ", COPC hierarchy: the node of " + std::to_string(node.points) +
                                         " points at byte " + std::to_string(node.offset) +
-                                        " is not in the chunk table, or twice in the hierarchy");
+                                        " is not in the chunk table, or is twice in the hierarchy");
     chosen.push_back(*chunk++);
   }
   return chosen;

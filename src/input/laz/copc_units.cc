@@ -14,7 +14,8 @@ Result<std::vector<CopcUnit>> read_copc_units(const ByteSource& source, double r
   const std::string path = source.path().string();
   BOOST_OUTCOME_TRY(header, read_las_header(source));
   BOOST_OUTCOME_TRY(layout, read_laz_layout(path, header.laszip, header.point_format, header.record_bytes));
-  if (!layout.chunked()) return error(Errc::bad_input, path + ", LASzip record: is of COPC, but tells of no chunks");
+  if (!layout.chunked())
+    return error(Errc::bad_input, path + ", LASzip record: the file is COPC, but the record describes no chunks");
   BOOST_OUTCOME_TRY(chunks, read_chunk_table(source, layout, header.points_at, header.points, header.record_bytes));
   BOOST_OUTCOME_TRY(nodes, read_copc_nodes(source, header, {.resolution = resolution}));
   std::sort(nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.offset < b.offset; });
@@ -22,8 +23,9 @@ Result<std::vector<CopcUnit>> read_copc_units(const ByteSource& source, double r
   const auto filled =
       static_cast<std::size_t>(std::count_if(chunks.begin(), chunks.end(), [](const auto& c) { return c.points > 0; }));
   if (resolution == 0 && chosen.size() != filled)
-    return error(Errc::bad_input, path + ", COPC hierarchy: leaves out " + std::to_string(filled - chosen.size()) +
-                                      " of the " + std::to_string(filled) + " chunks with points");
+    return error(Errc::bad_input, path + ", COPC hierarchy: the hierarchy leaves out " +
+                                      std::to_string(filled - chosen.size()) + " of the " + std::to_string(filled) +
+                                      " chunks with points");
   std::vector<CopcUnit> units;
   for (std::size_t i = 0; i < chosen.size(); ++i)
     units.push_back({chosen[i].first, chosen[i].points, chosen[i].end - chosen[i].begin, nodes[i].bounds});

@@ -21,7 +21,7 @@ constexpr std::size_t point_bytes = 30, block_points = 4096;
 
 class LayeredDecoder : public ChunkDecoder {
  public:
-  LayeredDecoder(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan, const Chunk& chunk)
+  LayeredDecoder(const ByteSource& source, const LazLayout& layout, const WantedFields& plan, const Chunk& chunk)
       : source_(source), layout_(layout), plan_(plan), chunk_(chunk) {}
 
   Status decode(std::size_t n, std::byte* records) override {
@@ -77,13 +77,13 @@ class LayeredDecoder : public ChunkDecoder {
     const bool nir = rgb && layout_.items[1].type == ItemType::rgb_nir_14;
     const std::size_t layer_count = 9 + rgb + nir + extra_bytes;
     const std::size_t head_bytes = plan_.record_bytes + 4 + 4 * layer_count;
-    if (chunk_.end - chunk_.begin < head_bytes) return error(Errc::bad_input, "ends within its head");
+    if (chunk_.end - chunk_.begin < head_bytes) return error(Errc::bad_input, "the chunk ends within its head");
     std::vector<std::byte> head(head_bytes);
     BOOST_OUTCOME_TRYV(source_.read(chunk_.begin, head));
     std::memcpy(record, head.data(), plan_.record_bytes);
     const auto* lengths = head.data() + plan_.record_bytes;
     if (const auto points = load<std::uint32_t>(lengths); points != chunk_.points)
-      return error(Errc::bad_input, "says that it has " + std::to_string(points) + " points, not the " +
+      return error(Errc::bad_input, "the chunk says that it has " + std::to_string(points) + " points, not the " +
                                         std::to_string(chunk_.points) + " of the chunk table");
     lengths += 4;
     next_ = chunk_.begin + head_bytes;
@@ -122,7 +122,7 @@ class LayeredDecoder : public ChunkDecoder {
   Result<Range> take(const std::byte*& lengths) {
     const std::uint64_t bytes = load<std::uint32_t>(lengths);
     lengths += 4;
-    if (bytes > left_) return error(Errc::bad_input, "its layers are longer than it is");
+    if (bytes > left_) return error(Errc::bad_input, "its layers are longer than the chunk");
     next_ += bytes;
     left_ -= bytes;
     return Range{next_ - bytes, next_};
@@ -146,7 +146,7 @@ class LayeredDecoder : public ChunkDecoder {
 
   const ByteSource& source_;
   LazLayout layout_;
-  RecordPlan plan_;
+  WantedFields plan_;
   Chunk chunk_;
   std::uint64_t next_ = 0, left_ = 0;
   std::optional<ReturnsXyLayer> xy_;
@@ -157,7 +157,7 @@ class LayeredDecoder : public ChunkDecoder {
 }  // namespace
 
 std::unique_ptr<ChunkDecoder> make_layered_decoder(const ByteSource& source, const LazLayout& layout,
-                                                   const RecordPlan& plan, const Chunk& chunk) {
+                                                   const WantedFields& plan, const Chunk& chunk) {
   return std::make_unique<LayeredDecoder>(source, layout, plan, chunk);
 }
 

@@ -18,7 +18,7 @@ bool has_waveforms(int point_format) {
 
 }  // namespace
 
-Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, RecordPlan plan,
+Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, WantedFields plan,
                                     const ReadHints& hints) {
   const std::string path = source->path().string();
   if (has_waveforms(header.point_format))

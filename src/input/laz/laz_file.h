@@ -21,7 +21,7 @@ struct LazRecords {
 // Opens the records. Hints apply to COPC only; other files are read whole. Error bad_input for point formats with
 // waveforms, and for a missing or wrong LASzip record, chunk table or COPC hierarchy. REQUIRES: `header` is that of
 // `source`, and compressed.
-Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, RecordPlan plan,
+Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, WantedFields plan,
                                     const ReadHints& hints);
 
 }  // namespace tessera::laz

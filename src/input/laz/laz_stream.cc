@@ -12,7 +12,7 @@ constexpr unsigned threads_max = 8;
 
 }  // namespace
 
-LazStream::LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, RecordPlan plan, std::vector<Chunk> chunks,
+LazStream::LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, WantedFields plan, std::vector<Chunk> chunks,
                      unsigned threads)
     : source_(std::move(source)),
       layout_(std::move(layout)),

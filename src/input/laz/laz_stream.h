@@ -16,7 +16,7 @@ namespace tessera::laz {
 class LazStream : public RecordSource {
  public:
   // `chunks`: some or all chunks of the file, in the order of the file. Each has points.
-  LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, RecordPlan plan, std::vector<Chunk> chunks,
+  LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, WantedFields plan, std::vector<Chunk> chunks,
             unsigned threads);
 
   Result<std::span<const std::byte>> next(std::size_t most) override;
@@ -32,7 +32,7 @@ class LazStream : public RecordSource {
 
   std::unique_ptr<ByteSource> source_;
   LazLayout layout_;
-  RecordPlan plan_;
+  WantedFields plan_;
   std::vector<Chunk> chunks_;
   unsigned threads_;
 

@@ -28,7 +28,8 @@ Result<std::optional<std::string_view>> next_vertex_line(LineReader& lines, std:
       joined.clear();
       while (line && line->ends_with('\\')) {
         joined.append(line->substr(0, line->size() - 1)).append(" ");
-        if (joined.size() > line_bytes_max) return lines.bad_line("is, with the lines it continues, longer than 1 MiB");
+        if (joined.size() > line_bytes_max)
+          return lines.bad_line("is longer than 1 MiB, together with the lines that it continues");
         BOOST_OUTCOME_TRY(continued, lines.next());
         line = continued;
       }
@@ -57,8 +58,9 @@ class ObjReader : public VertexTextReader {
     split_line(*line, Delimiter::blanks, SIZE_MAX, words_);
     const std::size_t n = words_.size();
     if (n != 3 && n != 4 && n != 6 && n != 7)
-      return lines().bad_line("has " + std::to_string(n) +
-                              " numbers; a vertex has x, y and z, perhaps a weight, perhaps a colour of 3");
+      return lines().bad_line(
+          "has " + std::to_string(n) +
+          " numbers; a vertex has x, y and z, then a weight or nothing, then a colour of 3 numbers or nothing");
     if (n == 4 || n == 7) {
       const auto weight = parse_number(words_[3]);
       if (!weight) return lines().bad_line("the weight is " + in_quotes(words_[3]) + ", not a number");

@@ -55,7 +55,7 @@ struct OffHeader {
 Status take_counts(std::span<const std::string_view> words, const LineReader& lines, OffHeader& header) {
   if (words.size() < 2 || words.size() > 3)
     return lines.bad_line("has " + std::to_string(words.size()) +
-                          " words where the numbers of vertices, faces and edges should stand");
+                          " words where the numbers of vertices, faces and edges are expected");
   for (const auto word : words) {
     std::uint64_t count = 0;
     const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), count);
@@ -80,7 +80,8 @@ Result<OffHeader> read_header(LineReader& lines) {
   // same way.
   const bool number = !words[0].empty() && std::string_view("0123456789").find(words[0][0]) != std::string_view::npos;
   if (!kind && !number)
-    return lines.bad_line("begins with " + in_quotes(words[0]) + ", but an OFF file with OFF, COFF, NOFF or STOFF");
+    return lines.bad_line("begins with " + in_quotes(words[0]) +
+                          ", but an OFF file begins with OFF, COFF, NOFF or STOFF");
   std::span<const std::string_view> counts = words;
   if (kind) {
     header.kind = *kind;
@@ -119,8 +120,8 @@ class OffReader : public VertexTextReader {
       return lines().bad_line("the file ends after " + std::to_string(position_) + " of " + std::to_string(vertices_) +
                               " vertices");
     if (words_.size() != names_.size())
-      return lines().bad_line("a vertex has " + std::to_string(names_.size()) +
-                              " numbers here, a line for itself; this line has " + std::to_string(words_.size()));
+      return lines().bad_line("a vertex is a line of " + std::to_string(names_.size()) +
+                              " numbers in this file, but this line has " + std::to_string(words_.size()));
     BOOST_OUTCOME_TRYV(add_numbers(words_, names_, lines(), values));
     ++position_;
     return true;

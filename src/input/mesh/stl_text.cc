@@ -93,7 +93,7 @@ class StlTextReader : public VertexTextReader {
   }
 
   Error unexpected(std::string_view word, std::string_view instead) {
-    return lines().bad_line("is " + in_quotes(word) + " where '" + std::string(instead) + "' should stand");
+    return lines().bad_line(in_quotes(word) + " stands where '" + std::string(instead) + "' is expected");
   }
   Error ends() { return lines().bad_line("the file ends within a solid"); }
 

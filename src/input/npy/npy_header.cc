@@ -174,7 +174,8 @@ std::string shape_text(const ArrayLiteral& literal) {
 // Sets the columns of an array with names. Returns what is wrong, or "".
 std::string settle_fields(const ArrayLiteral& literal, NpyHeader& header) {
   if (literal.shape.size() != 1)
-    return "has shape " + shape_text(literal) + "; of an array with named columns n is read";
+    return "has shape " + shape_text(literal) +
+           "; an array with named columns must have one dimension, the number of points";
   if (literal.fields.size() > columns_max) return "has more than " + std::to_string(columns_max) + " columns";
   for (const auto& [name, type] : literal.fields) {
     const auto number = type.empty() ? std::nullopt : number_type(std::string_view(type).substr(1));
@@ -199,8 +200,8 @@ std::string settle_plain(const ArrayLiteral& literal, NpyHeader& header) {
   if (type != "<f8" && type != ">f8" && type != "<f4" && type != ">f4")
     return "holds type '" + printable(type) + "'; arrays of f4 or f8, and of named columns, are read";
   if (literal.shape.size() != 2 || literal.shape[1] < 2 || literal.shape[1] > columns_max)
-    return "has shape " + shape_text(literal) + "; n x 2, n x 3 and, with further columns, up to n x " +
-           std::to_string(columns_max) + " is read";
+    return "has shape " + shape_text(literal) + "; shapes from n x 2 to n x " + std::to_string(columns_max) +
+           " are read";
   if (literal.fortran_order) return "is in Fortran order; save numpy.ascontiguousarray(a) instead";
   const auto number = *number_type(std::string_view(type).substr(1));
   constexpr std::array<const char*, 3> axes{"x", "y", "z"};

@@ -221,7 +221,7 @@ class TextVertices : public PlyVertices {
 };
 
 Error ends_within(const ByteSource& source, const PlyElement& element) {
-  return error(Errc::bad_input, source.path().string() + ": ends within the " + std::to_string(element.count) +
+  return error(Errc::bad_input, source.path().string() + ": the file ends within the " + std::to_string(element.count) +
                                     " elements '" + printable(element.name.substr(0, 40)) + "'");
 }
 

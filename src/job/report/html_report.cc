@@ -106,7 +106,7 @@ std::string exchange(const JobSummary& s) {
          (e.points.sent == 1 ? " point" : " points") + share(e.points.sent) + ". Tiles received " +
          number(e.points.received) + ", repeats counted, and no tile more than " + number(e.most_received) +
          ". With the points that they know from the start, they inserted " + number(e.points.inserted) +
-         " points of other tiles and kept " + number(e.points.kept) +
+         " points of other tiles and kept " + number(e.points.useful) +
          ". The longest chain of messages that caused one another: " + number(e.hops) +
          "; the counters were collected " + times(e.waves) + "; tiles were put to sleep " + times(e.sleeps) + "." +
          nodes + "</p>\n";

@@ -80,7 +80,7 @@ std::string counted(std::uint64_t n, std::string_view what) {
 
 std::string plain_phase(std::string_view name) {
   const auto phase = phase_named(name);
-  return phase ? row_of(*phase).words : std::string(name);
+  return phase ? row_of(*phase).label : std::string(name);
 }
 
 std::string escape_html(std::string_view text) {

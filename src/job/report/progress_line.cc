@@ -46,7 +46,7 @@ double part_of_total(const ProgressSnapshot& now, ProgressCounter counter) {
 
 constexpr int words_width() {
   std::size_t width = 0;
-  for (const PhaseRow& row : phase_table) width = std::max(width, std::string_view(row.words).size());
+  for (const PhaseRow& row : phase_table) width = std::max(width, std::string_view(row.label).size());
   return static_cast<int>(width);
 }
 
@@ -141,7 +141,7 @@ double points_per_second(const ProgressSnapshot& before, const ProgressSnapshot&
 
 std::vector<std::string> progress_panel(const ProgressSnapshot& before, const ProgressSnapshot& now, int columns) {
   constexpr int name_width = words_width();
-  std::string name = row_of(now.phase).words;
+  std::string name = row_of(now.phase).label;
   name.resize(name_width, ' ');
   const double done = fraction_done(now);
   const auto percent = std::to_string(static_cast<int>(done * 100));
@@ -158,7 +158,7 @@ std::vector<std::string> progress_panel(const ProgressSnapshot& before, const Pr
 
 std::string progress_text(const ProgressSnapshot& before, const ProgressSnapshot& now) {
   const auto details = figures(before, now);
-  return human_seconds(now.elapsed_s) + "   " + row_of(now.phase).words + "   " +
+  return human_seconds(now.elapsed_s) + "   " + row_of(now.phase).label + "   " +
          std::to_string(static_cast<int>(fraction_done(now) * 100)) + " %" + (details.empty() ? "" : "   " + details) +
          (now.nodes.empty() ? "" : "   " + nodes_text(now));
 }

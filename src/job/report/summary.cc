@@ -72,7 +72,7 @@ std::string summary_json(const JobSummary& s) {
                   {"points_sent", e.points.sent},
                   {"points_received", e.points.received},
                   {"points_inserted", e.points.inserted},
-                  {"points_kept", e.points.kept},
+                  {"points_kept", e.points.useful},
                   {"rounds", e.hops},
                   {"most_received", e.most_received},
                   {"waves", e.waves},

@@ -69,12 +69,12 @@ std::string timeline_svg(const std::vector<PhaseSpan>& spans, double total_s) {
            std::to_string(thread) + "</text>\n";
     for (const auto& bar : merge(list, total_s / pixels)) {
       const double x = at(bar.begin_s);
-      const std::string what = bar.times == 1 || row_of(bar.phase).step == ProgramStep::begin
+      const std::string what = bar.times == 1 || row_of(bar.phase).step == StageStep::begin
                                    ? "tile " + to_string(bar.tile)
                                    : std::to_string(bar.times) + " times";
       svg += "<rect class=\"p-" + std::string(name_of(bar.phase)) + "\" x=\"" + fixed(x, 3) + "%\" y=\"" + fixed(y, 1) +
              "\" width=\"" + fixed(std::max(0.06, at(bar.end_s) - x - 0.04), 3) + "%\" height=\"" + fixed(row, 0) +
-             "\"><title>" + row_of(bar.phase).words + ", " + what + ": " + fixed(bar.begin_s, 3) + " to " +
+             "\"><title>" + row_of(bar.phase).label + ", " + what + ": " + fixed(bar.begin_s, 3) + " to " +
              fixed(bar.end_s, 3) + " s</title></rect>\n";
     }
     y += row + gap;

@@ -34,7 +34,9 @@ Status check_leftovers(const fs::path& folder, const Format& format, const std::
   FolderReader reader(folder);
   while (const char* name = reader.next())
     if (fs::path(name).extension() == format.ending && !names.contains(name))
-      return error(Errc::usage, (folder / name).string() + ": would stay among the new files; remove it first");
+      return error(Errc::usage,
+                   (folder / name).string() +
+                       ": is a file of an older export, and would stay among the new files; remove it first");
   if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
     return io_error(folder, "cannot be listed", reader.error().value());
   return success();
@@ -100,11 +102,11 @@ Result<Exported> export_file(const Format& format, const MeshHead& head, const T
 Result<Exported> export_tiles(const MeshSource& source, const Selection& selection, const Target& target) {
   std::vector<std::size_t> written;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < selection.parts.size(); ++i) {
-    const auto& part = selection.parts[i];
-    if (source.filter.active() && part.cells == 0) continue;
+  for (std::size_t i = 0; i < selection.ranges.size(); ++i) {
+    const auto& range = selection.ranges[i];
+    if (source.filter.active() && range.cells == 0) continue;
     written.push_back(i);
-    names.push_back(tile_file("", part.tile).filename().replace_extension(source.format.ending));
+    names.push_back(tile_file("", range.tile).filename().replace_extension(source.format.ending));
   }
   BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, {names.begin(), names.end()}));
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));

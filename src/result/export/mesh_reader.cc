@@ -208,7 +208,7 @@ Status give_vertices(const MeshSource& source, Selection& selection, const Rows&
   const auto read = [&](std::size_t index) {
     return source.tiles->read(index, {.cells = source.filter.active(), .rows = rows.wanted()});
   };
-  for (std::size_t index = 0; index < selection.parts.size(); ++index) {
+  for (std::size_t index = 0; index < selection.ranges.size(); ++index) {
     BOOST_OUTCOME_TRYV(watch.look());
     BOOST_OUTCOME_TRY(tile, read(index));
     BOOST_OUTCOME_TRYV(rows.lift(source, tile));
@@ -245,7 +245,7 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.dimension = manifest.dimension;
   head.vertices = selection.vertices;
   head.cells = selection.cells;
-  head.parts = selection.parts;
+  head.ranges = selection.ranges;
   head.ids = manifest.points_read;
   head.neighbors = source.format.neighbors && manifest.neighbors;
   head.final = source.manifest.region && !source.manifest.region->complete;
@@ -274,7 +274,7 @@ Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& w
   }
   std::uint64_t cells = 0;
   const bool places_wanted = source.format.corners || Facts(source).any();
-  for (std::size_t index = 0; index < selection.parts.size(); ++index) {
+  for (std::size_t index = 0; index < selection.ranges.size(); ++index) {
     BOOST_OUTCOME_TRYV(watch.look());
     BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {.rows = places_wanted && rows.wanted(),
                                                        .cell_columns = source.format.cell_columns}));
@@ -288,7 +288,7 @@ Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& w
       numbers = std::move(found);
     }
     BOOST_OUTCOME_TRYV(give_cells(source, tile, tile_of(source, index), cells, {numbers, rows}, writer, watch));
-    cells += selection.parts[index].cells;
+    cells += selection.ranges[index].cells;
   }
   return watch.look();
 }
@@ -328,8 +328,8 @@ Result<std::uint64_t> write_piece(const MeshSource& source, const Selection& sel
   head.vertices = 0;
   for (auto& number : numbers)
     if (number != unused) number = head.vertices++;
-  head.cells = selection.parts[index].cells;
-  head.parts = {{selection.parts[index].tile, head.vertices, head.cells}};
+  head.cells = selection.ranges[index].cells;
+  head.ranges = {{selection.ranges[index].tile, head.vertices, head.cells}};
   BOOST_OUTCOME_TRY(writer, source.format.open(path, head));
   Watch watch(source, selection, *writer, done);
   if (lists_vertices(source)) {

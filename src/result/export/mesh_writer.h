@@ -23,7 +23,7 @@ struct Column {
 };
 
 // The number of vertices and cells of a tile in a file.
-struct Part {
+struct TileRange {
   TileId tile;
   std::uint64_t vertices = 0, cells = 0;
 };
@@ -32,8 +32,8 @@ struct MeshHead {
   int dimension = 3;
   bool heights = false;  // 2D: points have a z that is no part of the triangulation
   std::uint64_t vertices = 0, cells = 0;
-  std::vector<Part> parts;  // the tiles, in the order in which vertices and cells come
-  std::uint64_t ids = 0;    // every id is less than this
+  std::vector<TileRange> ranges;  // the tiles, in the order in which vertices and cells come
+  std::uint64_t ids = 0;          // every id is less than this
   bool neighbors = false;
   bool final = false;  // for a region: CellView::final has a meaning
   bool spatial_index = true;

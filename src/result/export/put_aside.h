@@ -34,7 +34,7 @@ class PutAside {
       const auto wanted =
           std::as_writable_bytes(std::span(numbers)).first(std::min(end - at, at_once * sizeof(double)));
       BOOST_OUTCOME_TRY(read, read_up_to(file_.get(), wanted, at, target_));
-      if (read != wanted.size()) return io_error(target_, "cannot read back what was put aside", EIO);
+      if (read != wanted.size()) return io_error(target_, "cannot read back a temporary part of the file", EIO);
       for (const double number : std::span(numbers).first(read / sizeof(double))) visit(number);
       at += read;
     }
@@ -48,7 +48,7 @@ class PutAside {
     double number = 0;
     const auto bytes = std::as_writable_bytes(std::span(&number, 1));
     BOOST_OUTCOME_TRY(read, read_up_to(file_.get(), bytes, index * sizeof number, target_));
-    if (read != bytes.size()) return io_error(target_, "cannot read back what was put aside", EIO);
+    if (read != bytes.size()) return io_error(target_, "cannot read back a temporary part of the file", EIO);
     return number;
   }
 

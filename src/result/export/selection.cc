@@ -25,14 +25,15 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
   selection.cells = manifest.cells;
   std::uint64_t vertices = 0, main_cells = 0;
   for (const auto& entry : manifest.tiles) {
-    selection.parts.push_back({entry.tile, entry.own_points, entry.main_cells});
+    selection.ranges.push_back({entry.tile, entry.own_points, entry.main_cells});
     vertices += entry.own_points;
     main_cells += entry.main_cells;
   }
   if (vertices != manifest.vertices || main_cells != manifest.cells)
     return error(Errc::corrupt, source.out.string() + ": its manifest counts " + std::to_string(manifest.vertices) +
-                                    " vertices and " + std::to_string(manifest.cells) + " cells, but of its tiles " +
-                                    std::to_string(vertices) + " and " + std::to_string(main_cells));
+                                    " vertices and " + std::to_string(manifest.cells) +
+                                    " cells, but its list of tiles counts " + std::to_string(vertices) + " and " +
+                                    std::to_string(main_cells));
   if (numbers_wanted || source.filter.active()) {
     BOOST_OUTCOME_TRY(numbers, VertexNumbers::prepare(*source.tiles, source.filter, source.stop));
     selection.numbers = std::move(numbers);
@@ -46,7 +47,7 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
     if (source.options.progress) source.options.progress(0);  // nothing is written yet, but the callback may stop it
     BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {}));
     selection.numbers.survey(tile.mesh, index);
-    auto& cells = selection.parts[index].cells;
+    auto& cells = selection.ranges[index].cells;
     cells = 0;
     for (std::size_t i = 0; i < tile.mesh.cell_ghost.size(); ++i) {
       if (tile.mesh.cell_ghost[i] != 0) continue;
@@ -56,30 +57,30 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
     selection.cells += cells;
   }
   if (selection.cells == 0 && manifest.cells > 0)
-    return error(Errc::usage, source.out.string() + ": no cell is left, each has an edge longer than " +
-                                  shortest_digits(*source.options.max_edge) + "; the shortest longest edge is " +
-                                  shortest_digits(shortest) + ", give a larger " + option("max-edge"));
+    return error(Errc::usage, source.out.string() + ": no cell is left, because each has an edge longer than " +
+                                  shortest_digits(*source.options.max_edge) + "; give at least " +
+                                  shortest_digits(shortest) + " as " + option("max-edge"));
   const auto used = selection.numbers.used_by_tile();
   selection.vertices = 0;
   for (std::size_t index = 0; index < used.size(); ++index) {
-    selection.parts[index].vertices = used[index];
+    selection.ranges[index].vertices = used[index];
     selection.vertices += used[index];
   }
   return selection;
 }
 
 Selection select_all(const TileMesh& cells, std::span<const TileId> tiles) {
-  Selection selection{.parts = {}, .vertices = cells.points.size(), .cells = tiles.size(), .numbers = {}};
+  Selection selection{.ranges = {}, .vertices = cells.points.size(), .cells = tiles.size(), .numbers = {}};
   const std::size_t corners = static_cast<std::size_t>(cells.dimension) + 1;
   std::uint64_t used = 0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    if (i == 0 || tiles[i] != tiles[i - 1]) selection.parts.push_back({tiles[i], 0, 0});
-    Part& part = selection.parts.back();
-    ++part.cells;
+    if (i == 0 || tiles[i] != tiles[i - 1]) selection.ranges.push_back({tiles[i], 0, 0});
+    TileRange& range = selection.ranges.back();
+    ++range.cells;
     for (std::size_t k = 0; k < corners; ++k) {
       if (static_cast<std::uint64_t>(cells.cells[i * corners + k]) < used) continue;
       ++used;
-      ++part.vertices;
+      ++range.vertices;
     }
   }
   return selection;

@@ -12,7 +12,7 @@
 namespace tessera::exports {
 
 struct Selection {
-  std::vector<Part> parts;  // one a tile of the manifest
+  std::vector<TileRange> ranges;  // one a tile of the manifest
   std::uint64_t vertices = 0, cells = 0;
   VertexNumbers numbers;
 };

@@ -52,7 +52,7 @@ Status check_free(const Target& target, bool overwrite) {
     BOOST_OUTCOME_TRY(in_the_way, is_folder(index_beside(target)));
     if (in_the_way)
       return error(Errc::usage,
-                   index_beside(target).string() + ": is a folder, and a file of that name is to be written");
+                   index_beside(target).string() + ": is a folder, but the export writes a file of this name");
   }
   if (overwrite) return success();
   const auto taken = [](const fs::path& path) {
@@ -95,8 +95,8 @@ Result<Target> find_free_target(const fs::path& path, const ExportOptions& optio
   BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
   BOOST_OUTCOME_TRYV(check_max_edge(options.max_edge));
   if (options.local && !target.format->local)
-    return error(Errc::usage, option("local", "true") + ": is for ply, obj, off and stl; " + target.format->name +
-                                  " keeps coordinates as they are");
+    return error(Errc::usage, option("local", "true") + ": works only with ply, obj, off and stl; " +
+                                  target.format->name + " keeps coordinates as they are");
   return std::move(target);
 }
 
@@ -109,8 +109,8 @@ Status check_fits(const fs::path& out, const Manifest& manifest, const Format& f
     return error(Errc::usage, out.string() + ": is a 3D result, whose cells are tetrahedra, and " + format.name +
                                   " has no tetrahedra; vtu, msh, mesh and npy have them");
   if (manifest.region && !manifest.region->complete && !format.final)
-    return error(Errc::usage, out.string() + ": is a part whose cells are not all final, and " + format.name +
-                                  " cannot tell which are; vtu, npy and geojson can");
+    return error(Errc::usage, out.string() + ": is a region whose cells are not all final, and " + format.name +
+                                  " cannot mark which are; vtu, npy and geojson can");
   if (std::max(manifest.vertices, manifest.cells) > format.most)
     return advise("has more vertices or cells than the " + std::to_string(format.most) + " that readers of " +
                   format.name + " can number");

@@ -105,7 +105,7 @@ Result<std::vector<std::uint64_t>> VertexNumbers::of(const TileMesh& mesh, std::
     const std::size_t at = place(mesh.ids[i]);
     if (at == shared_.size() || shared_[at].second == unknown)
       return error(Errc::corrupt,
-                   path.string() + ": foreign vertex " + to_string(mesh.ids[i]) + " is no tile's own vertex");
+                   path.string() + ": foreign vertex " + to_string(mesh.ids[i]) + " is not an own vertex of any tile");
     numbers[i] = shared_[at].second;
   }
   return numbers;

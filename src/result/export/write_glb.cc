@@ -158,7 +158,8 @@ class GlbWriter : public MeshWriter {
 OpenedWriter open_glb(const std::filesystem::path& path, const MeshHead& head) {
   const std::uint64_t bytes = data_at + head.vertices * (sizeof(Floats) + sizeof(Color)) + head.cells * 12;
   if (bytes > std::numeric_limits<std::uint32_t>::max())
-    return error(Errc::usage, path.string() + ": would be of more than the 4 GiB that glTF can have; ply can");
+    return error(Errc::usage,
+                 path.string() + ": would be larger than 4 GiB, the most that glTF allows; ply has no such limit");
   BOOST_OUTCOME_TRY(file, OutputFile::create(path));
   return std::make_unique<GlbWriter>(std::move(file), head);
 }

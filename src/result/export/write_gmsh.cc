@@ -1,6 +1,6 @@
 // Gmsh's MSH 4.1, as text or binary. A tile is an entity and a physical group "tile N" with the tag N + 1. Facets of
 // only one cell form the group "boundary", turned outwards. Vertices belong to the tile that owns them, and cells to
-// theirs, in the order of MeshHead::parts. The boundary, the box and the number of elements are known only at the end,
+// theirs, in the order of MeshHead::ranges. The boundary, the box and the number of elements are known only at the end,
 // so their places are filled then. Elements of the boundary also have values of the cells' columns, those of their
 // cell, because meshio needs values of every element.
 #include <algorithm>
@@ -78,8 +78,8 @@ class GmshWriter : public MeshWriter {
   }
 
   void vertex(const VertexView& vertex) override {
-    if (left_in_part_ == 0) begin_vertices();
-    --left_in_part_;
+    if (left_in_range_ == 0) begin_vertices();
+    --left_in_range_;
     box_.add(vertex.at);
     Line(stream_, binary_).real(vertex.at.x).real(vertex.at.y).real(vertex.at.z);
     for (std::size_t i = 0; i < head_.columns.size(); ++i)
@@ -87,8 +87,8 @@ class GmshWriter : public MeshWriter {
   }
   void cell(const CellView& cell) override {
     if (cells_ == 0) begin_cells();
-    if (left_in_part_ == 0) begin_part(&Part::cells, head_.dimension == 2 ? 2 : 4);
-    --left_in_part_;
+    if (left_in_range_ == 0) begin_range(&TileRange::cells, head_.dimension == 2 ? 2 : 4);
+    --left_in_range_;
     Line line(stream_, binary_);
     line.count(++cells_);
     for (std::size_t k = 0; k < head_.corners(); ++k) line.count(cell.numbers[k] + 1);
@@ -153,19 +153,19 @@ class GmshWriter : public MeshWriter {
     stream_.text(binary_ ? "$MeshFormat\n4.1 1 8\n" : "$MeshFormat\n4.1 0 8\n");
     if (binary_) stream_.value(std::int32_t{1});  // shows the byte order
     if (binary_) stream_.text("\n");
-    stream_.text("$EndMeshFormat\n$PhysicalNames\n" + std::to_string(head_.parts.size() + (head_.cells > 0 ? 1 : 0)) +
+    stream_.text("$EndMeshFormat\n$PhysicalNames\n" + std::to_string(head_.ranges.size() + (head_.cells > 0 ? 1 : 0)) +
                  "\n");
     if (head_.cells > 0) stream_.text(std::to_string(head_.dimension - 1) + " 1 \"boundary\"\n");
-    for (const auto& part : head_.parts)
-      stream_.text(std::to_string(head_.dimension) + " " + std::to_string(tag_of(part)) + " \"tile " +
-                   std::to_string(part.tile.value) + "\"\n");
+    for (const auto& range : head_.ranges)
+      stream_.text(std::to_string(head_.dimension) + " " + std::to_string(tag_of(range)) + " \"tile " +
+                   std::to_string(range.tile.value) + "\"\n");
     stream_.text("$EndPhysicalNames\n$Entities\n");
     entities_ = stream_.offset();
     entities(stream_);
     end_section("Entities");
     stream_.text("$Nodes\n");
     const auto blocks =
-        std::count_if(head_.parts.begin(), head_.parts.end(), [](auto& part) { return part.vertices > 0; });
+        std::count_if(head_.ranges.begin(), head_.ranges.end(), [](auto& range) { return range.vertices > 0; });
     Line(stream_, binary_)
         .count(static_cast<std::uint64_t>(blocks))
         .count(head_.vertices)
@@ -185,13 +185,13 @@ class GmshWriter : public MeshWriter {
     }
   }
 
-  static std::int32_t tag_of(const Part& part) { return static_cast<std::int32_t>(part.tile.value) + 1; }
+  static std::int32_t tag_of(const TileRange& range) { return static_cast<std::int32_t>(range.tile.value) + 1; }
   void end_section(const char* name) { stream_.text(std::string(binary_ ? "\n" : "") + "$End" + name + "\n"); }
 
   // All entities get the box of the whole mesh: Gmsh only requires that nothing lies outside.
   void entities(Stream& to) const {
     std::array<std::uint64_t, 4> counts{};  // by dimension
-    counts[static_cast<std::size_t>(head_.dimension)] = head_.parts.size();
+    counts[static_cast<std::size_t>(head_.dimension)] = head_.ranges.size();
     counts[static_cast<std::size_t>(head_.dimension) - 1] = head_.cells > 0 ? 1 : 0;
     Line(to, binary_).count(counts[0]).count(counts[1]).count(counts[2]).count(counts[3]);
     const Bounds box = box_.empty() ? Bounds{.lo = {}, .hi = {}} : box_;
@@ -202,30 +202,30 @@ class GmshWriter : public MeshWriter {
       line.count(1).tag(tag).count(0);  // one physical group with the same tag; no bounding entities
     };
     if (head_.cells > 0) entity(1);
-    for (const auto& part : head_.parts) entity(tag_of(part));
+    for (const auto& range : head_.ranges) entity(tag_of(range));
   }
 
-  // Begins the block of the next part that has elements.
-  void begin_part(std::uint64_t Part::*count, std::int32_t third) {
-    while (head_.parts[part_].*count == 0) ++part_;
-    const Part& part = head_.parts[part_++];
-    left_in_part_ = part.*count;
-    Line(stream_, binary_).tag(head_.dimension).tag(tag_of(part)).tag(third).count(left_in_part_);
+  // Begins the block of the next range that has elements.
+  void begin_range(std::uint64_t TileRange::*count, std::int32_t third) {
+    while (head_.ranges[range_].*count == 0) ++range_;
+    const TileRange& range = head_.ranges[range_++];
+    left_in_range_ = range.*count;
+    Line(stream_, binary_).tag(head_.dimension).tag(tag_of(range)).tag(third).count(left_in_range_);
   }
   void begin_vertices() {
-    begin_part(&Part::vertices, 0);  // not parametric
-    for (std::uint64_t i = 0; i < left_in_part_; ++i) Line(stream_, binary_).count(++numbered_);
+    begin_range(&TileRange::vertices, 0);  // not parametric
+    for (std::uint64_t i = 0; i < left_in_range_; ++i) Line(stream_, binary_).count(++numbered_);
   }
   void begin_cells() {
     end_section("Nodes");
     stream_.text("$Elements\n");
-    part_ = 0;
+    range_ = 0;
     elements_ = stream_.offset();
     elements_head(stream_, 0);
   }
   void elements_head(Stream& to, std::uint64_t elements) const {
     const auto blocks =
-        std::count_if(head_.parts.begin(), head_.parts.end(), [](auto& part) { return part.cells > 0; });
+        std::count_if(head_.ranges.begin(), head_.ranges.end(), [](auto& range) { return range.cells > 0; });
     Line(to, binary_)
         .count(static_cast<std::uint64_t>(blocks) + (head_.cells > 0 ? 1 : 0))
         .wide(elements)
@@ -262,8 +262,8 @@ class GmshWriter : public MeshWriter {
   Boundary boundary_;
   std::deque<PutAside> aside_;  // attributes of vertices, the longest edges, columns of cells
   Bounds box_;
-  std::size_t part_ = 0;            // the next part
-  std::uint64_t left_in_part_ = 0;  // vertices, then cells
+  std::size_t range_ = 0;            // the next range
+  std::uint64_t left_in_range_ = 0;  // vertices, then cells
   std::uint64_t numbered_ = 0, cells_ = 0;
   std::uint64_t entities_ = 0, elements_ = 0;  // offsets in the file
   Status status_ = success();

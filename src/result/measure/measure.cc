@@ -118,11 +118,11 @@ Measured begin_of(const fs::path& out, const Manifest& manifest) {
   measured.of_vertices = "star_" + measured.of_cells;
   measured.unit = unit_of(manifest);
   if (manifest.region)
-    measured.note =
-        manifest.region->complete
-            ? "of a region: around a vertex only the cells that meet the region count"
-            : "of a region that is not complete: cells that are not final, and what is around vertices, may "
-              "be others in the whole triangulation";
+    measured.note = manifest.region->complete
+                        ? "the result is a region: around a vertex, only the cells that meet the region count"
+                        : "the result is a region that is not complete: cells that are not final, and the cells around "
+                          "vertices, may "
+                          "differ in the whole triangulation";
   return measured;
 }
 
@@ -166,7 +166,7 @@ std::vector<ResultColumn> columns_of(const Measured& measured, const MeasureOpti
 
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
   if (!options.volume)
-    return error(Errc::usage, "nothing is to be measured; " + option("volume", "true") + " measures cells");
+    return error(Errc::usage, "there is nothing to measure; " + option("volume", "true") + " measures cells");
   // Also when the columns exist: this removes what an ended writer has left, and older versions.
   BOOST_OUTCOME_TRY(next, NewVersion::begin(out));
   const TileSource& source = next->source();

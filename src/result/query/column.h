@@ -10,7 +10,7 @@
 
 namespace tessera::query {
 
-using Column = RowColumn;
+using Column = AttributeColumn;
 
 // Error usage when the vertices of the result in `out` have no attribute of this name. "z" has the heights of a 2D
 // result.

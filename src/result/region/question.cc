@@ -8,8 +8,8 @@
 #include "src/base/option.h"
 #include "src/base/stopped.h"
 #include "src/result/region/region_mesh.h"
+#include "src/tiling/affine_basis.h"
 #include "src/tiling/budget/budget.h"
-#include "src/tiling/span_finder.h"
 
 namespace tessera {
 
@@ -159,7 +159,7 @@ Status RegionQuestion::load(std::vector<std::size_t>& units, std::string& beyond
     if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted; nothing is kept");
     current = unit;
     is_late = late();
-    if (is_late) return error(Errc::interrupted, "the time is over");
+    if (is_late) return error(Errc::interrupted, "the time that the region may take is over");
     done += batch.points.size();
     if (limits_.progress) limits_.progress(done, needed);
     LoadedUnit& to = read[unit];

@@ -86,9 +86,9 @@ void extend(std::uint32_t& low, std::uint32_t& high, std::size_t size, const Sum
 
 }  // namespace
 
-void BlockSum::add(std::span<const std::byte> bytes) { extend(low_, high_, bytes.size(), sums_of(bytes)); }
+void BlockChecksum::add(std::span<const std::byte> bytes) { extend(low_, high_, bytes.size(), sums_of(bytes)); }
 
-void BlockSum::copy(std::span<const std::byte> bytes, std::byte* to) {
+void BlockChecksum::copy(std::span<const std::byte> bytes, std::byte* to) {
   extend(low_, high_, bytes.size(), copied_sums_of(bytes, to));
 }
 

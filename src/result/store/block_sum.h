@@ -9,7 +9,7 @@
 namespace tessera::store {
 
 // The Adler-32 of bytes that come in pieces. REQUIRES: at most 65535 bytes in all.
-class BlockSum {
+class BlockChecksum {
  public:
   void add(std::span<const std::byte> bytes);
   // Adds the bytes and copies them to `to`, in one pass over memory.

@@ -37,7 +37,7 @@ void load(const Column& column, std::uint64_t flip, std::uint64_t* numbers) {
 }
 
 template <class Word>
-void store(const std::uint64_t* numbers, std::uint64_t flip, const ColumnRoom& column) {
+void store(const std::uint64_t* numbers, std::uint64_t flip, const ColumnBuffer& column) {
   std::byte* at = column.first;
   for (std::size_t i = 0; i < column.rows; ++i, at += column.stride) {
     const auto word = static_cast<Word>(numbers[i] ^ flip);
@@ -59,7 +59,7 @@ void load(const Column& column, std::uint64_t* numbers) {
   }
 }
 
-void store(const std::uint64_t* numbers, const ColumnRoom& column) {
+void store(const std::uint64_t* numbers, const ColumnBuffer& column) {
   const std::uint64_t flip = flipped(column.type);
   switch (size_of(column.type)) {
     case 1:
@@ -181,13 +181,13 @@ const char* ColumnBlocks::take_doubles(std::span<const std::byte>& block, std::s
   return nullptr;
 }
 
-const char* ColumnBlocks::take(std::span<const std::byte> block, const ColumnRoom& column) {
+const char* ColumnBlocks::take(std::span<const std::byte> block, const ColumnBuffer& column) {
   numbers_.resize(column.rows);
   const std::span numbers(numbers_);
   if (const char* wrong =
           column.type == AttributeType::f64 ? take_doubles(block, numbers) : integers_.take(block, numbers))
     return wrong;
-  if (!block.empty()) return "has bytes behind its end";
+  if (!block.empty()) return "has bytes after its end";
   if (const std::size_t size = size_of(column.type); size < 8)
     if (bits_of(numbers) >> (8 * size) != 0) return "has a value too large for its type";
   if (column.type == AttributeType::f32)

@@ -26,7 +26,7 @@ struct ColumnOf {
   }
 };
 using Column = ColumnOf<const std::byte>;
-using ColumnRoom = ColumnOf<std::byte>;
+using ColumnBuffer = ColumnOf<std::byte>;
 
 class ColumnBlocks {
  public:
@@ -35,7 +35,7 @@ class ColumnBlocks {
   void append(const Column& column, BigVector<std::byte>& to);
   // Reads a block that append() made of as many values of the same type. Uses all of `block`. Returns null, or what is
   // wrong with the block, as the end of a sentence.
-  const char* take(std::span<const std::byte> block, const ColumnRoom& column);
+  const char* take(std::span<const std::byte> block, const ColumnBuffer& column);
 
  private:
   std::optional<GridScale> find_scale();

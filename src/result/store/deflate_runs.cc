@@ -103,7 +103,7 @@ void put_run(BitWriter& out, std::size_t size, Bits distance) {
   if (size > 0) put(size);
 }
 
-std::vector<std::byte> stored(std::span<const std::byte> bytes, const BlockSum& sum) {
+std::vector<std::byte> stored(std::span<const std::byte> bytes, const BlockChecksum& sum) {
   std::vector<std::byte> packed(bytes.size() + plain_extra_bytes);
   auto end = std::ranges::copy(plain_head(bytes.size()), packed.begin()).out;
   end = std::ranges::copy(bytes, end).out;
@@ -114,7 +114,7 @@ std::vector<std::byte> stored(std::span<const std::byte> bytes, const BlockSum& 
 }  // namespace
 
 std::vector<std::byte> deflate_runs(std::span<const std::byte> bytes, std::size_t size) {
-  BlockSum sum;
+  BlockChecksum sum;
   sum.add(bytes);
   const Bits distance = code(static_cast<std::uint32_t>(size) - 1, 5);
   std::vector<std::byte> packed(2 + bytes.size() * 9 / 8 + 16);  // at most 9 bits a byte

@@ -44,7 +44,7 @@ CellDigest::CellDigest(int dimension, std::span<const PointId> ids) : dimension_
 
 template <int D, bool flagged>
 Digest CellDigest::sum(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const {
-  const Words* const of_vertex = of_vertex_.data();
+  const HashHalves* const of_vertex = of_vertex_.data();
   Digest sum;
   const std::size_t count = cells.size() / (D + 1);
   const std::int32_t* cell = cells.data();
@@ -54,7 +54,7 @@ Digest CellDigest::sum(std::span<const std::int32_t> cells, const std::uint8_t* 
     }
     std::uint64_t low = 0, high = 0;
     for (std::size_t k = 0; k <= D; ++k) {
-      const Words& vertex = of_vertex[static_cast<std::size_t>(cell[k])];
+      const HashHalves& vertex = of_vertex[static_cast<std::size_t>(cell[k])];
       low += vertex.low, high += vertex.high;
     }
     sum += Digest{folded(low ^ keys[0], high ^ keys[1]), folded(low ^ keys[2], high ^ keys[3])};

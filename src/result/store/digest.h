@@ -51,14 +51,14 @@ class CellDigest {
   Digest of(std::span<const std::int32_t> cells, const std::uint8_t* ghost = nullptr) const;
 
  private:
-  struct Words {
+  struct HashHalves {
     std::uint64_t low, high;
   };
   template <int D, bool flagged>
   Digest sum(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const;
 
   int dimension_;
-  BigVector<Words> of_vertex_;
+  BigVector<HashHalves> of_vertex_;
 };
 
 // The digest of vertices.

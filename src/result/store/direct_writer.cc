@@ -56,7 +56,7 @@ Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, con
 
 Result<DirectWriter> DirectWriter::go_on(const std::filesystem::path& path, const std::filesystem::path& final_name,
                                          Begun begun, std::stop_token stop) {
-  BOOST_OUTCOME_TRY(writer, open(path, final_name, O_RDWR, "cannot be gone on with", std::move(stop)));
+  BOOST_OUTCOME_TRY(writer, open(path, final_name, O_RDWR, "cannot be opened to write the rest", std::move(stop)));
   writer.begun_ = std::move(begun);
   BOOST_OUTCOME_TRYV(writer.begin_piece(0));
   return std::move(writer);
@@ -83,14 +83,14 @@ Status DirectWriter::append(std::span<const std::byte> bytes) {
       bytes, [](std::span<const std::byte> piece, std::byte* to) { std::memcpy(to, piece.data(), piece.size()); });
 }
 
-Status DirectWriter::append(std::span<const std::byte> bytes, BlockSum& sum) {
+Status DirectWriter::append(std::span<const std::byte> bytes, BlockChecksum& sum) {
   return append_by(bytes, [&](std::span<const std::byte> piece, std::byte* to) { sum.copy(piece, to); });
 }
 
 Status DirectWriter::skip_to(std::uint64_t offset) {
   // The offset of early cells comes from a scratch file, so it may be wrong.
   if (offset < offset_ + filled_)
-    return error(Errc::corrupt, final_name_.string() + ": what was written of it overlaps");
+    return error(Errc::corrupt, final_name_.string() + ": the parts that were written of it overlap");
   if (const std::uint64_t piece = whole_pieces(offset); piece != offset_) {
     if (filled_ > 0) {
       fill_up_to(sum_piece_bytes);
@@ -113,7 +113,8 @@ Result<DirectWriter::Begun> DirectWriter::pause() {
 }
 
 Result<DirectWriter::Written> DirectWriter::finish() {
-  if (known_ > filled_) return error(Errc::corrupt, final_name_.string() + ": what was written of it is too long");
+  if (known_ > filled_)
+    return error(Errc::corrupt, final_name_.string() + ": the part that was written of it is too long");
   // The last piece is not a multiple of the alignment.
   if (filled_ % alignment != 0 && direct_ && !leave_direct()) return io_error(final_name_, "cannot write", errno);
   if (filled_ > 0) {
@@ -138,7 +139,8 @@ Status DirectWriter::begin_piece(std::uint64_t offset) {
   auto read = read_up_to(file_.get(), piece, offset, final_name_);
   if (!read && direct_ && leave_direct()) read = read_up_to(file_.get(), piece, offset, final_name_);
   if (!read) return read.error();
-  if (read.value() < there) return error(Errc::corrupt, final_name_.string() + ": what was written of it is cut off");
+  if (read.value() < there)
+    return error(Errc::corrupt, final_name_.string() + ": the part that was written of it is cut off");
   known_ = there;
   return success();
 }

@@ -36,7 +36,7 @@ class DirectWriter {
 
   Status append(std::span<const std::byte> bytes);
   // Appends, and adds the bytes to `sum` on the way.
-  Status append(std::span<const std::byte> bytes, BlockSum& sum);
+  Status append(std::span<const std::byte> bytes, BlockChecksum& sum);
   // Sets the offset of the next append(). Bytes that are passed over keep their values; in a new file they are zeros.
   // Error corrupt when `offset` lies before the end of what was appended.
   Status skip_to(std::uint64_t offset);
@@ -45,7 +45,7 @@ class DirectWriter {
   Result<Begun> pause();
   struct Written {
     std::uint64_t bytes = 0;
-    std::uint64_t xxh3 = 0;  // checksum_file() with SumOf::pieces
+    std::uint64_t xxh3 = 0;  // checksum_file() with ChecksumOf::pieces
   };
   // Error corrupt when the file had more bytes than have been appended.
   Result<Written> finish();

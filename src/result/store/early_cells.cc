@@ -46,16 +46,16 @@ Result<TileHeader> header_of(TileId tile, int dimension, const StoreOptions& opt
 namespace store {
 
 // Assumes the longest numbers that a header can have.
-EarlyPlaces early_places(const TileHeader& header, std::uint64_t room) {
+EarlyOffsets early_offsets(const TileHeader& header, std::uint64_t room) {
   TileHeader longest = header;
   longest.points = longest.cells = std::numeric_limits<std::uint32_t>::max();
   longest.offsets.assign(header.arrays().size(), std::numeric_limits<std::int64_t>::max());
   const std::uint64_t bytes = room * row_of(header.dimension), table = table_bytes(block_count(bytes));
-  EarlyPlaces places{};
-  places.header_bytes = aligned(header_text(longest).size());
-  places.neighbors = aligned(places.header_bytes + table);
-  places.cells = header.neighbors ? aligned(places.neighbors + plain_bytes(bytes) + table) : places.neighbors;
-  return places;
+  EarlyOffsets offsets{};
+  offsets.header_bytes = aligned(header_text(longest).size());
+  offsets.neighbors = aligned(offsets.header_bytes + table);
+  offsets.cells = header.neighbors ? aligned(offsets.neighbors + plain_bytes(bytes) + table) : offsets.neighbors;
+  return offsets;
 }
 
 Result<EarlyCells> with_room(const fs::path& out, const TileHeader& header, const EarlyCells& early, std::uint64_t room,
@@ -77,7 +77,7 @@ Result<EarlyCells> with_room(const fs::path& out, const TileHeader& header, cons
     }
     return success();
   };
-  const EarlyPlaces before = early_places(header, early.room), after = early_places(header, room);
+  const EarlyOffsets before = early_offsets(header, early.room), after = early_offsets(header, room);
   if (header.neighbors) {
     BOOST_OUTCOME_TRYV(copy(before.neighbors, after.neighbors));
   }
@@ -103,22 +103,22 @@ Result<EarlyCells> write_early_cells(const fs::path& out, TileId tile, const Ear
   TemporaryFile temporary(path);
   BOOST_OUTCOME_TRY(file, DirectWriter::create(path, final_name, options.stop));
   EarlyCells early{.node = options.node, .cells = input.count, .room = input.room, .digest = {}, .begun = {}};
-  const EarlyPlaces places = early_places(header, input.room);
+  const EarlyOffsets offsets = early_offsets(header, input.room);
   const std::uint64_t bytes = input.count * row_of(input.dimension);
   if (header.neighbors) {
-    BOOST_OUTCOME_TRYV(file.skip_to(places.neighbors));
+    BOOST_OUTCOME_TRYV(file.skip_to(offsets.neighbors));
     BOOST_OUTCOME_TRYV(write_plain(
         bytes,
-        [&](const PackedArray::Take& take) {
+        [&](const PackedArray::Consumer& take) {
           return input.cells.neighbors([&](std::span<const std::int32_t> piece) { return take(std::as_bytes(piece)); });
         },
         file));
   }
   const CellDigest digest(input.dimension, input.ids);
-  BOOST_OUTCOME_TRYV(file.skip_to(places.cells));
+  BOOST_OUTCOME_TRYV(file.skip_to(offsets.cells));
   BOOST_OUTCOME_TRYV(write_plain(
       bytes,
-      [&](const PackedArray::Take& take) {
+      [&](const PackedArray::Consumer& take) {
         return input.cells.vertices([&](std::span<const std::int32_t> piece) -> Status {
           BOOST_OUTCOME_TRYV(take(std::as_bytes(piece)));
           early.digest += digest.of(piece);
@@ -136,9 +136,9 @@ Status take_early_cells(const fs::path& out, TileId tile, EarlyCells& early, con
   const fs::path there = early_file(out, tile, early.node), here = early_file(out, tile, options.node);
   BOOST_OUTCOME_TRYV(check_held(options.lock_file));
   BOOST_OUTCOME_TRY(bytes, file_bytes(there));
-  BOOST_OUTCOME_TRY(sum, checksum_file(there, SumOf::pieces));
+  BOOST_OUTCOME_TRY(sum, checksum_file(there, ChecksumOf::pieces));
   if (bytes != early.begun.bytes || sum != checksum(std::as_bytes(std::span(early.begun.sums))))
-    return error(Errc::corrupt, there.string() + ": is not what was written early of the tile");
+    return error(Errc::corrupt, there.string() + ": is damaged: it does not hold the cells that were written early");
   if (there == here) return success();
   BOOST_OUTCOME_TRYV(rename_file(there, here));
   early.node = options.node;

@@ -52,11 +52,11 @@ std::optional<EarlyCells> early_cells_of(std::span<const std::byte> bytes);
 namespace store {
 
 // Offsets of the early cells in a file with this header. The header's offsets and counts are ignored.
-struct EarlyPlaces {
+struct EarlyOffsets {
   std::uint64_t header_bytes;
   std::uint64_t neighbors, cells;  // offset of the first block of each array
 };
-EarlyPlaces early_places(const TileHeader& header, std::uint64_t room);
+EarlyOffsets early_offsets(const TileHeader& header, std::uint64_t room);
 // Moves the early cells to a file with more room, which replaces the old file. Errors: io, corrupt.
 Result<EarlyCells> with_room(const std::filesystem::path& out, const TileHeader& header, const EarlyCells& early,
                              std::uint64_t room, const StoreOptions& options);

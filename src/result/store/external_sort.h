@@ -68,14 +68,14 @@ class ExternalSort {
   std::size_t runs() const { return runs_.size(); }
 
  private:
-  struct Run {
+  struct SortedRun {
     FileHandle file;
     std::uint64_t records = 0;
   };
 
   class Cursor {
    public:
-    Cursor(const Run& run, std::size_t records) : run_(&run), buffer_(records) {}
+    Cursor(const SortedRun& run, std::size_t records) : run_(&run), buffer_(records) {}
     // Moves to the next record; false at the end of the run.
     Result<bool> next() {
       if (++at_ < filled_) return true;
@@ -92,7 +92,7 @@ class ExternalSort {
     const Record& record() const { return buffer_[at_]; }
 
    private:
-    const Run* run_;
+    const SortedRun* run_;
     std::vector<Record> buffer_;
     std::uint64_t done_ = 0;
     std::size_t at_ = 0, filled_ = 0;
@@ -117,7 +117,7 @@ class ExternalSort {
   Status spill() {
     BOOST_OUTCOME_TRYV(sort_buffer());
     BOOST_OUTCOME_TRY(file, nameless_file(scratch_));
-    Run run{std::move(file), buffer_.size()};
+    SortedRun run{std::move(file), buffer_.size()};
     BOOST_OUTCOME_TRYV(write_at(run.file.get(), std::as_bytes(std::span(buffer_)), 0, scratch_));
     runs_.push_back(std::move(run));
     buffer_.clear();
@@ -152,7 +152,7 @@ class ExternalSort {
   std::uint64_t capacity_;
   std::stop_token stop_;
   std::vector<Record> buffer_;
-  std::vector<Run> runs_;
+  std::vector<SortedRun> runs_;
 };
 
 // Calls `visit(span)` for each group of successive records for which `same(a, b)` holds. A damaged file can make a

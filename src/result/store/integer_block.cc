@@ -123,9 +123,9 @@ const char* move_back(const BlockHead& head, std::span<std::uint64_t> numbers) {
       least_is_there |= number == 0;
       number += head.base;
     }
-    return least_is_there ? nullptr : "has no number that is its least";
+    return least_is_there ? nullptr : "does not contain the least number that it announces";
   }
-  if (numbers[0] != 0) return "begins with another number than its first";
+  if (numbers[0] != 0) return "does not begin with the first number that it announces";
   std::uint64_t previous = head.base;
   for (std::uint64_t& number : numbers) previous = number = previous + unfolded(number);
   return nullptr;
@@ -204,7 +204,8 @@ const char* IntegerBlocks::take(std::span<const std::byte>& from, std::span<std:
   }
   if (head.planes > 0) {
     const std::span top(planes[head.planes - 1], rows);
-    if (std::ranges::all_of(top, [](std::byte b) { return b == std::byte{0}; })) return "has a plane for nothing";
+    if (std::ranges::all_of(top, [](std::byte b) { return b == std::byte{0}; }))
+      return "has a plane of zeros, which is never written";
   }
   join_planes(std::span<const std::byte* const>(planes).first(head.planes), numbers);
   return move_back(head, numbers);

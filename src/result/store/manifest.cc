@@ -49,7 +49,7 @@ B to_corners(const json& value) {
 DuplicatePolicy to_kept_point(const json& value) {
   const auto text = value.get<std::string>();
   const auto keep = kept_point_of(text);
-  if (!keep) throw json::other_error::create(501, "'" + text + "' is no choice among equal points", &value);
+  if (!keep) throw json::other_error::create(501, "'" + text + "' is not a way to choose among equal points", &value);
   return *keep;
 }
 
@@ -88,7 +88,7 @@ TileEntry to_entry(const json& value) {
   entry.digest = to_digest(value);
   if (value.contains("kind")) {
     if (value.at("kind") != "points")
-      throw json::other_error::create(501, json_text(value.at("kind")) + " is no kind of tile", &value);
+      throw json::other_error::create(501, json_text(value.at("kind")) + " is not a kind of tile", &value);
     entry.kind = TileKind::points;
   }
   if (value.contains("file")) {
@@ -96,7 +96,7 @@ TileEntry to_entry(const json& value) {
     const auto version = version_of_tile_file(file);
     entry.version = version.value_or(1);
     if (!version || tile_file("", entry).generic_string() != file)
-      throw json::other_error::create(501, "'" + file + "' is no file of tile " + to_string(entry.tile), &value);
+      throw json::other_error::create(501, "'" + file + "' is not a file of tile " + to_string(entry.tile), &value);
   }
   if (value.contains("heights")) {
     const auto& heights = value.at("heights");
@@ -107,10 +107,10 @@ TileEntry to_entry(const json& value) {
 
 // The members that make a partition. Code that walks the splits must check that they are a tree.
 std::string partition_text(const json& value, const Manifest& manifest) {
-  if (!value.contains("splits")) throw json::other_error::create(501, "the partition does not tell its splits", &value);
+  if (!value.contains("splits")) throw json::other_error::create(501, "the partition has no splits", &value);
   if (to_count(value.at("dimension")) != static_cast<std::uint64_t>(manifest.dimension) ||
       to_count(value.at("tiles")) != manifest.boxes.size() || !value.at("splits").is_array())
-    throw json::other_error::create(501, "the partition does not fit to the result", &value);
+    throw json::other_error::create(501, "the partition does not fit the result", &value);
   const auto member = [&](const char* name) { return std::pair(std::string(name), value.at(name)); };
   return json_text(json(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")}));
 }
@@ -143,7 +143,7 @@ Manifest to_manifest(const json& value) {
   for (const auto& entry : value.at("tiles")) {
     manifest.tiles.push_back(to_entry(entry));
     if (manifest.tiles.back().version > manifest.version)
-      throw json::other_error::create(501, "a tile's file is of a version that is not there", &value);
+      throw json::other_error::create(501, "a tile's file is of a later version than the result", &value);
   }
   for (std::size_t i = 1; i < manifest.tiles.size(); ++i)
     if (manifest.tiles[i - 1].tile >= manifest.tiles[i].tile)
@@ -236,7 +236,7 @@ std::optional<HeightRange> heights_of(const Manifest& manifest) {
 }
 
 Error no_manifest(const fs::path& out) {
-  return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
+  return error(Errc::io, out.string() + ": holds no manifest.json, so it is not a result, or it is an unfinished run");
 }
 
 Result<Manifest> read_manifest(const fs::path& out) {
@@ -252,17 +252,17 @@ Result<Manifest> parse_manifest(const fs::path& path, std::span<const std::byte>
   const char* text = reinterpret_cast<const char*>(bytes.data());
   const json value = parse_json({text, bytes.size()});
   if (value.is_discarded() || !value.is_object() || value.value("format", json()) != json("tessera"))
-    return corrupt("is not a manifest of tessera, or damaged");
+    return corrupt("is damaged, or not a manifest of tessera");
   const json version = value.value("format_version", json());
-  if (!version.is_number_unsigned()) return corrupt("does not tell its format version");
+  if (!version.is_number_unsigned()) return corrupt("has no format version");
   if (version.get<std::uint64_t>() > newest_format)
-    return corrupt("is of format version " + json_text(version) + ", this program knows version " +
+    return corrupt("is of format version " + json_text(version) + ", but this program knows version " +
                    std::to_string(newest_format) + " and older: use a newer tessera");
   if (version.get<std::uint64_t>() < oldest_format)
     return corrupt(
         "is of format version " + json_text(version) +
-        ", which this program reads no more: the tessera that wrote it (software_version in this file) reads and "
-        "exports it; or triangulate again, for the file tells inputs and command");
+        ", which this program no longer reads: use the tessera that wrote it (software_version in this file) to "
+        "export it, or triangulate again; the file names inputs and command");
   try {
     return store::to_manifest(value);
   } catch (const json::exception& wrong) {  // a missing key or a wrong type

@@ -31,7 +31,7 @@ json::other_error wrong(const std::string& what, const json& value) {
 std::uint32_t to_version(const json& value) {
   const std::uint64_t version = to_count(value);
   if (version < 2 || version > std::numeric_limits<std::uint32_t>::max())
-    throw wrong(std::to_string(version) + " is no number of a changed version", value);
+    throw wrong(std::to_string(version) + " is not a valid number of a version after the first", value);
   return static_cast<std::uint32_t>(version);
 }
 
@@ -51,7 +51,7 @@ ResultColumn to_column(const json& value) {
   ResultColumn column;
   column.name = to_name(value);
   const auto of = value.at("of").get<std::string>();
-  if (of != "cells" && of != "vertices") throw wrong("'" + of + "' have no columns", value);
+  if (of != "cells" && of != "vertices") throw wrong("'" + of + "' is neither cells nor vertices", value);
   column.of_cells = of == "cells";
   column.type = to_type(value);
   column.unit = value.at("unit").get<std::string>();
@@ -73,13 +73,13 @@ void check_columns(const Manifest& manifest, const json& value) {
     names.push_back(column.name);
   }
   std::ranges::sort(names);
-  if (std::ranges::adjacent_find(names) != names.end()) throw wrong("two columns have one name", value);
+  if (std::ranges::adjacent_find(names) != names.end()) throw wrong("two columns have the same name", value);
   const auto& schema = manifest.schema;
   if (of_vertices.size() > schema.size() || !std::equal(of_vertices.rbegin(), of_vertices.rend(), schema.rbegin()))
     throw wrong("the columns of vertices are not the last of its attributes", value);
   const auto cells = cell_schema_of(manifest);
   const auto stored = stored_cell_schema(cells);
-  if (!stored || stored.value() != cells) throw wrong("a column of cells has a name that no file holds", value);
+  if (!stored || stored.value() != cells) throw wrong("a column of cells has a name that a file cannot have", value);
 }
 
 }  // namespace

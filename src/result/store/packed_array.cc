@@ -87,7 +87,7 @@ class PlainBlocks {
  private:
   std::uint64_t left_;  // after the current block
   std::uint64_t block_ = 0, done_ = 0;
-  BlockSum sum_;
+  BlockChecksum sum_;
   DirectWriter& file_;
 };
 
@@ -101,7 +101,7 @@ Bytes offsets_block(std::uint64_t first, std::uint64_t count, int step) {
 }  // namespace
 
 PackedArray PackedArray::plain(std::span<const std::byte> bytes) {
-  return streamed(bytes.size(), [bytes](const Take& take) { return take(bytes); });
+  return streamed(bytes.size(), [bytes](const Consumer& take) { return take(bytes); });
 }
 
 PackedArray PackedArray::streamed(std::uint64_t bytes, Make make, std::uint64_t written) {

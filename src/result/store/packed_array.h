@@ -40,8 +40,8 @@ class PackedArray {
   static PackedArray plain(std::span<const std::byte> bytes);
   // An array of `bytes` bytes in plain blocks, which `make` makes when they are written. `make` passes the bytes on in
   // pieces, and ends when a piece is refused.
-  using Take = std::function<Status(std::span<const std::byte>)>;
-  using Make = std::function<Status(const Take&)>;
+  using Consumer = std::function<Status(std::span<const std::byte>)>;
+  using Make = std::function<Status(const Consumer&)>;
   // For the first `written` bytes, which are whole blocks, only the table is written: their blocks are in the file
   // already.
   static PackedArray streamed(std::uint64_t bytes, Make make, std::uint64_t written = 0);

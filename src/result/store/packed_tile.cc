@@ -38,7 +38,7 @@ bool take_plain(std::span<const std::byte> from, std::span<std::byte> to) {
     return std::ranges::equal(expected, from.subspan(at, expected.size()));
   };
   if (!equal(plain_head(to.size()), 0)) return false;
-  BlockSum sum;
+  BlockChecksum sum;
   sum.copy(from.subspan(plain_head_bytes, to.size()), to.data());
   return equal(sum.bytes(), plain_head_bytes + to.size());
 }
@@ -87,17 +87,17 @@ Status PackedTile::read_header(TileId tile) {
     BOOST_OUTCOME_TRY(whole, read_at(0, std::as_writable_bytes(std::span(text))));
     end = whole ? text.find(header_end) : std::string::npos;
     if (end == std::string::npos && (!whole || text.size() == bytes_ || text.find('\0') != std::string::npos))
-      return corrupt("header", "is not that of a tile file, or damaged");
+      return corrupt("header", "is damaged, or not that of a tile file");
   }
   text.resize(end + header_end.size());
   auto header = parse_header(text);
-  if (!header) return corrupt("header", "is not that of a tile file, or damaged");
+  if (!header) return corrupt("header", "is damaged, or not that of a tile file");
   if (header->tile != tile) return corrupt("header", "is that of tile " + std::to_string(header->tile.value));
   constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
   const auto corners = static_cast<std::uint64_t>(header->dimension + 1);
   if (header->points > std::min(most, bytes_ / sizeof(Point)) ||
       header->cells > std::min(most, bytes_ / sizeof(std::int32_t)) / corners)
-    return corrupt("header", "tells of more than the file can hold");
+    return corrupt("header", "announces more points or cells than the file can hold");
   header_ = std::move(*header);
   data_begin_ = text.size();
   return success();
@@ -141,7 +141,7 @@ Status PackedTile::read_tables() {
   std::uint64_t at = data_begin_;
   for (const Extent& extent : extents) {
     if (header_.format > 2 ? extent.begin < at : extent.begin != at)
-      return corrupt("header", "its arrays are not where they can be");
+      return corrupt("header", "its arrays overlap or leave gaps");
     at = extent.end;
   }
   std::string end(footer.size(), '\0');

@@ -33,9 +33,9 @@ Result<PointsHead> read_points_head(const fs::path& path, TileId tile) {
   return reader.head();
 }
 
-Result<PointsTile> read_points_file(const fs::path& path, TileId tile, const PointsParts& parts) {
+Result<PointsTile> read_points_file(const fs::path& path, TileId tile, const PointsFields& fields) {
   BOOST_OUTCOME_TRY(reader, PointsReader::open(path, tile));
-  return reader.read(parts);
+  return reader.read(fields);
 }
 
 Result<std::vector<PointId>> read_own_point_ids(const fs::path& path, TileId tile) {

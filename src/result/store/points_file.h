@@ -19,7 +19,7 @@ namespace tessera {
 BigVector<std::byte> points_file_bytes(const PointsTileView& tile);
 
 // Selects what is read of a file in addition to the points.
-struct PointsParts {
+struct PointsFields {
   bool rows = true;
   bool cell_columns = true;
 };
@@ -29,7 +29,7 @@ struct PointsParts {
 // cells, for which the file has blocks. But a block may be small. So a caller that does not trust the file, and knows
 // the right numbers, reads the head first.
 Result<store::PointsHead> read_points_head(const std::filesystem::path& path, TileId tile);
-Result<PointsTile> read_points_file(const std::filesystem::path& path, TileId tile, const PointsParts& parts);
+Result<PointsTile> read_points_file(const std::filesystem::path& path, TileId tile, const PointsFields& fields);
 // Reads the source indices of the own points, in the file's order.
 Result<std::vector<PointId>> read_own_point_ids(const std::filesystem::path& path, TileId tile);
 

@@ -156,7 +156,7 @@ void write_points_head(const PointsHead& head, std::span<std::byte> to) {
 }
 
 ParsedHead parse_points_head(std::span<const std::byte> bytes, std::uint64_t file_bytes) {
-  const std::string damaged = "is not that of a file of points, or damaged";
+  const std::string damaged = "is damaged, or not that of a file of points";
   if (bytes.size() < fixed_bytes) return file_bytes < fixed_bytes ? ParsedHead(damaged) : std::uint64_t{fixed_bytes};
   if (!std::ranges::equal(bytes.first(magic.size()), std::as_bytes(std::span(magic)))) return damaged;
   Fixed fixed;
@@ -169,8 +169,8 @@ ParsedHead parse_points_head(std::span<const std::byte> bytes, std::uint64_t fil
   std::memcpy(&sum, bytes.data() + summed.size(), sum_bytes);
   if (checksum(summed) != sum) return damaged;
   if (fixed.dimension != 2 && fixed.dimension != 3) return "has " + std::to_string(fixed.dimension) + " dimensions";
-  if (std::uint64_t{fixed.own} + fixed.foreign > points_rows_max) return std::string("tells of too many points");
-  if (fixed.cells > points_rows_max) return std::string("tells of too many cells");
+  if (std::uint64_t{fixed.own} + fixed.foreign > points_rows_max) return std::string("announces too many points");
+  if (fixed.cells > points_rows_max) return std::string("announces too many cells");
   PointsHead head;
   head.dimension = static_cast<int>(fixed.dimension);
   head.tile = TileId{fixed.tile};
@@ -178,12 +178,13 @@ ParsedHead parse_points_head(std::span<const std::byte> bytes, std::uint64_t fil
   head.foreign = fixed.foreign;
   head.cells = fixed.cells;
   FlatReader reader(summed.subspan(fixed_bytes));
-  if (!read_named(reader, fixed.named, head)) return std::string("has columns that cannot be");
+  if (!read_named(reader, fixed.named, head)) return std::string("has impossible columns");
   if (head.bytes() != fixed.head_bytes || !read_blocks(reader, head.block_count(), head.blocks))
-    return std::string("has another number of blocks than of rows");
+    return std::string("has a number of blocks that does not fit its rows");
   std::uint64_t end = fixed.head_bytes;
   for (const PointsHead::Block& block : head.blocks) end += block.bytes;
-  if (end != file_bytes) return "ends its blocks at byte " + std::to_string(end) + ", not where the file ends";
+  if (end != file_bytes)
+    return "says that the blocks end at byte " + std::to_string(end) + ", which is not the end of the file";
   return head;
 }
 

@@ -54,7 +54,7 @@ Result<PointsReader> PointsReader::open(const std::filesystem::path& path, TileI
   return open(std::move(file), tile);
 }
 
-Result<PointsTile> PointsReader::read(const PointsParts& parts) {
+Result<PointsTile> PointsReader::read(const PointsFields& fields) {
   PointsTile tile;
   tile.dimension = head_.dimension;
   tile.tile = head_.tile;
@@ -62,8 +62,8 @@ Result<PointsTile> PointsReader::read(const PointsParts& parts) {
   tile.schema = head_.schema();
   tile.cells = head_.cells;
   tile.cell_schema = head_.cell_schema();
-  BOOST_OUTCOME_TRYV(read_points(parts, tile));
-  if (!parts.cell_columns) return tile;
+  BOOST_OUTCOME_TRYV(read_points(fields, tile));
+  if (!fields.cell_columns) return tile;
   for (const PointsColumn& column : head_.columns()) {
     if (column.of != Of::cells) continue;
     const std::size_t size = size_of(column.type);
@@ -73,14 +73,14 @@ Result<PointsTile> PointsReader::read(const PointsParts& parts) {
   return tile;
 }
 
-Status PointsReader::read_points(const PointsParts& parts, PointsTile& tile) {
+Status PointsReader::read_points(const PointsFields& fields, PointsTile& tile) {
   const std::size_t n = head_.own + head_.foreign, stride = row_bytes(tile.schema);
   tile.points.resize(n);
   tile.ids.resize(n);
   tile.owners.resize(n, head_.tile);
-  if (parts.rows) tile.rows.resize(n * stride);
+  if (fields.rows) tile.rows.resize(n * stride);
   auto columns = head_.columns();
-  if (!parts.rows) std::erase_if(columns, [](const PointsColumn& column) { return column.what == What::named; });
+  if (!fields.rows) std::erase_if(columns, [](const PointsColumn& column) { return column.what == What::named; });
   for (const Of of : {Of::own, Of::foreign})
     for (std::uint64_t block = 0; block * block_rows < (of == Of::own ? head_.own : head_.foreign); ++block) {
       // Reads a block of each column before the next block of any, because the columns' values are side by side in
@@ -141,14 +141,14 @@ Status PointsReader::read_head(TileId tile) {
   return success();
 }
 
-Status PointsReader::read_column(const PointsColumn& column, const ColumnRoom& room) {
+Status PointsReader::read_column(const PointsColumn& column, const ColumnBuffer& room) {
   for (std::uint64_t block = 0; block < column.blocks; ++block) {
     BOOST_OUTCOME_TRYV(read_block(column, block, room));
   }
   return success();
 }
 
-Status PointsReader::read_block(const PointsColumn& column, std::uint64_t block, const ColumnRoom& room) {
+Status PointsReader::read_block(const PointsColumn& column, std::uint64_t block, const ColumnBuffer& room) {
   const std::uint64_t number = column.first_block + block;
   const PointsHead::Block& entry = head_.blocks[number];
   BOOST_OUTCOME_TRY(bytes, file_.at(begins_[number], entry.bytes));
@@ -168,7 +168,7 @@ Status PointsReader::check_values(const PointsTile& tile, Of of, std::uint64_t b
     const char* wrong = !is_finite(p)                                                             ? " is not finite"
                         : is_negative_zero(p.x) || is_negative_zero(p.y) || is_negative_zero(p.z) ? " is at -0"
                         : of == Of::foreign && tile.owners[i] == tile.tile
-                            ? " is the tile's own, and stands among foreign ones"
+                            ? " belongs to the tile, but stands among the foreign points"
                             : nullptr;
     if (wrong != nullptr) return corrupt("points", "point " + std::to_string(i) + wrong);
   }

@@ -50,7 +50,7 @@ class PointsReader {
   static Result<PointsReader> open(const std::filesystem::path& path, TileId tile);
 
   const PointsHead& head() const { return head_; }
-  Result<PointsTile> read(const PointsParts& parts);
+  Result<PointsTile> read(const PointsFields& fields);
   // Reads the ids of the own or of the foreign points, in the file's order.
   Result<std::vector<PointId>> read_ids(PointsColumn::Of of);
   // Passes on all blocks as they are stored, piece by piece. Nothing in them is checked.
@@ -60,10 +60,10 @@ class PointsReader {
   explicit PointsReader(FileBytes file) : file_(std::move(file)) {}
   Error corrupt(const std::string& place, const std::string& reason) const;
   Status read_head(TileId tile);
-  Status read_points(const PointsParts& parts, PointsTile& tile);
-  Status read_column(const PointsColumn& column, const ColumnRoom& room);
+  Status read_points(const PointsFields& fields, PointsTile& tile);
+  Status read_column(const PointsColumn& column, const ColumnBuffer& room);
   // `room` is the memory of the whole column.
-  Status read_block(const PointsColumn& column, std::uint64_t block, const ColumnRoom& room);
+  Status read_block(const PointsColumn& column, std::uint64_t block, const ColumnBuffer& room);
   Status check_values(const PointsTile& tile, PointsColumn::Of of, std::uint64_t block) const;
 
   FileBytes file_;

@@ -92,7 +92,7 @@ const TileEntry* sound_of(const fs::path& out, std::span<const TileEntry> entrie
     const auto bytes = bytes_if_there(file);
     if (!bytes || bytes.value() != entry.bytes) continue;
     if (!summed || summed->first != entry.kind) {
-      const auto sum = checksum_file(file, SumOf::pieces);
+      const auto sum = checksum_file(file, ChecksumOf::pieces);
       if (!sum) continue;
       summed = {entry.kind, sum.value()};
     }

@@ -18,15 +18,15 @@ namespace tessera::store {
 namespace {
 
 // The layout of the new file.
-struct Plan {
+struct NewLayout {
   TileHeader header;
   std::vector<std::size_t> order;       // of the old arrays, as they follow each other in the file
   std::vector<std::size_t> new_places;  // of the columns, in the new header
 };
 
 // Old arrays keep their order, without gaps; the columns follow.
-Plan plan(const PackedTile& old, std::span<const ColumnValues> columns, const std::vector<PackedArray>& packed) {
-  Plan plan{.header = old.header(), .order = {}, .new_places = {}};
+NewLayout plan(const PackedTile& old, std::span<const ColumnValues> columns, const std::vector<PackedArray>& packed) {
+  NewLayout plan{.header = old.header(), .order = {}, .new_places = {}};
   TileHeader& header = plan.header;
   const std::size_t old_arrays = old.arrays().size(), vertices_end = first_attribute + header.schema.size();
   header.format = changed_format;
@@ -108,7 +108,7 @@ Result<DirectWriter::Written> copy_with_columns(const TileCopy& copy, std::span<
   }
   std::vector<PackedArray> packed;
   for (const auto& column : placed) packed.push_back(PackedArray::plain(column.values));
-  const Plan planned = plan(old, placed, packed);
+  const NewLayout planned = plan(old, placed, packed);
   const std::string header = header_text(planned.header);
   BOOST_OUTCOME_TRY(file, DirectWriter::create(copy.to, copy.final_name, stop));
   BOOST_OUTCOME_TRYV(file.append(std::as_bytes(std::span(header))));

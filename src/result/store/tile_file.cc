@@ -58,8 +58,8 @@ Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const S
 class CellsOfMesh final : public CellStream {
  public:
   explicit CellsOfMesh(const TileMesh& mesh) : mesh_(mesh) {}
-  Status vertices(const Take& take) const override { return take(mesh_.cells); }
-  Status neighbors(const Take& take) const override { return take(mesh_.neighbors); }
+  Status vertices(const Consumer& take) const override { return take(mesh_.cells); }
+  Status neighbors(const Consumer& take) const override { return take(mesh_.neighbors); }
 
  private:
   const TileMesh& mesh_;
@@ -79,7 +79,7 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, co
   const std::uint64_t row = 4 * (static_cast<std::uint64_t>(mesh.dimension) + 1);
   packed.push_back(PackedArray::streamed(
       header.cells * row,
-      [&](const PackedArray::Take& take) {
+      [&](const PackedArray::Consumer& take) {
         return cells.vertices([&](std::span<const std::int32_t> piece) -> Status {
           BOOST_OUTCOME_TRYV(take(bytes_of(piece)));  // has no more cells than there are flags
           digest.add(piece);
@@ -95,7 +95,7 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, co
   if (header.neighbors) {
     packed.push_back(PackedArray::streamed(
         header.cells * row,
-        [&](const PackedArray::Take& take) {
+        [&](const PackedArray::Consumer& take) {
           return cells.neighbors([&](std::span<const std::int32_t> piece) { return take(bytes_of(piece)); });
         },
         early * row));
@@ -109,13 +109,13 @@ std::uint64_t place(TileHeader& header, const std::vector<PackedArray>& arrays, 
   const auto infos = header.arrays();
   header.offsets.resize(arrays.size());
   if (early) {
-    const EarlyPlaces places = early_places(header, early->room);
+    const EarlyOffsets offsets = early_offsets(header, early->room);
     const std::uint64_t row = 4 * (static_cast<std::uint64_t>(header.dimension) + 1);
     const std::uint64_t table = table_bytes(block_count(header.cells * row));
-    begin = places.header_bytes;
-    header.offsets[connectivity_of(infos)] = places.cells - table - begin;
-    if (header.neighbors) header.offsets[neighbors_of(infos)] = places.neighbors - table - begin;
-    at = places.cells - begin + plain_bytes(header.cells * row);
+    begin = offsets.header_bytes;
+    header.offsets[connectivity_of(infos)] = offsets.cells - table - begin;
+    if (header.neighbors) header.offsets[neighbors_of(infos)] = offsets.neighbors - table - begin;
+    at = offsets.cells - begin + plain_bytes(header.cells * row);
   }
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (early && (i == connectivity_of(infos) || i == neighbors_of(infos))) continue;

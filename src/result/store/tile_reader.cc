@@ -21,7 +21,7 @@ class TileReader {
  public:
   TileReader(PackedTile file, TileId tile) : file_(std::move(file)), tile_(tile) {}
 
-  Result<StoredTile> read(const TileParts& parts) {
+  Result<StoredTile> read(const TileFields& fields) {
     StoredTile stored;
     TileMesh& mesh = stored.mesh;
     mesh.dimension = file_.header().dimension;
@@ -31,7 +31,7 @@ class TileReader {
     BOOST_OUTCOME_TRYV(file_.read_array(Section::point_data, "id", mesh.ids));
     BOOST_OUTCOME_TRYV(file_.read_array(Section::point_data, "owner", mesh.owners));
     BOOST_OUTCOME_TRYV(file_.read_array(Section::point_data, "vtkGhostType", mesh.point_ghost));
-    if (parts.cells) {
+    if (fields.cells) {
       BOOST_OUTCOME_TRYV(file_.read_array(Section::cells, "connectivity", mesh.cells));
       BOOST_OUTCOME_TRYV(file_.read_array(Section::cell_data, "vtkGhostType", mesh.cell_ghost));
       if (file_.header().final) {
@@ -48,10 +48,10 @@ class TileReader {
       if ((mesh.owners[i] != tile_) != (mesh.point_ghost[i] != 0))
         return file_.corrupt("PointData/owner", "point " + std::to_string(i) + " of tile " + to_string(mesh.owners[i]) +
                                                     " has the wrong vtkGhostType");
-    if (parts.cells && parts.cell_columns) {
+    if (fields.cells && fields.cell_columns) {
       BOOST_OUTCOME_TRYV(read_cell_columns(stored));
     }
-    if (parts.rows) {
+    if (fields.rows) {
       BOOST_OUTCOME_TRYV(read_rows(stored));
     }
     return stored;
@@ -126,9 +126,9 @@ class TileReader {
 
 namespace store {
 
-Result<StoredTile> read_tile(const fs::path& file, TileId tile, const TileParts& parts) {
+Result<StoredTile> read_tile(const fs::path& file, TileId tile, const TileFields& fields) {
   BOOST_OUTCOME_TRY(opened, PackedTile::open(file, tile));
-  return TileReader(std::move(opened), tile).read(parts);
+  return TileReader(std::move(opened), tile).read(fields);
 }
 
 Result<std::vector<PointId>> read_own_ids(const fs::path& file, TileId tile) {

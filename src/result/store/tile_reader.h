@@ -11,7 +11,7 @@
 namespace tessera {
 
 // Selects what is read of a tile in addition to its vertices.
-struct TileParts {
+struct TileFields {
   bool cells = true;
   bool rows = false;  // the attributes of the vertices
   bool cell_columns = false;
@@ -21,7 +21,7 @@ namespace store {
 
 // Reads a tile file of this format or an older one. Every array is checked (lengths, checksums, ranges, flags). Error
 // corrupt has the file and the array. Without cells, the arrays cells, cell_ghost and neighbors are empty.
-Result<StoredTile> read_tile(const std::filesystem::path& file, TileId tile, const TileParts& parts);
+Result<StoredTile> read_tile(const std::filesystem::path& file, TileId tile, const TileFields& fields);
 // Reads only the source indices of the tile's own vertices, in the file's order.
 Result<std::vector<PointId>> read_own_ids(const std::filesystem::path& file, TileId tile);
 

@@ -54,7 +54,7 @@ inline std::filesystem::path tile_file(const std::filesystem::path& out, const T
 }
 
 // How the checksums of tile files and of duplicates.bin are computed in a folder of this format.
-constexpr SumOf data_sum_of(int format) { return format < 3 ? SumOf::bytes : SumOf::pieces; }
+constexpr ChecksumOf data_sum_of(int format) { return format < 3 ? ChecksumOf::bytes : ChecksumOf::pieces; }
 
 struct EarlyCells;      // early_cells.h
 struct PointsTileView;  // points_tile.h

@@ -35,7 +35,7 @@ Status ContourLines::read(const Line& line, std::vector<LinePoint>& points) cons
 
 namespace {
 
-constexpr std::uint32_t parts_a_look = 1024;  // each part is read from disk
+constexpr std::uint32_t chains_a_look = 1024;  // each chain is read from disk
 
 // Rotates a closed line so that it begins at its least edge.
 void turn(std::vector<LinePoint>& points) {
@@ -59,31 +59,31 @@ Status ContourLines::add(std::int64_t level, std::span<const LinePoint> points) 
   const std::lock_guard lock(*mutex_);
   BOOST_OUTCOME_TRY(line, write(level, points));
   if (closed) return sorted_.push(line);
-  if (parts_.size() >= parts_max_)
-    return error(Errc::memory, "the lines end more than " + std::to_string(parts_max_) +
-                                   " times at borders of tiles, for which there is no memory: give a larger " +
-                                   option("interval") + " or more " + option("memory"));
-  parts_.push_back({line, points.back().a, points.back().b});
+  if (chains_.size() >= chains_max_)
+    return error(Errc::memory, "the memory is too small: more than " + std::to_string(chains_max_) +
+                                   " lines end at borders of tiles; give a larger " + option("interval") + " or more " +
+                                   option("memory"));
+  chains_.push_back({line, points.back().a, points.back().b});
   return success();
 }
 
-// A part that begins at the edge where another part ends continues it: of the two pieces at an edge, one ends and one
+// A chain that begins at the edge where another chain ends continues it: of the two pieces at an edge, one ends and one
 // begins there.
-Status ContourLines::link_parts() {
-  sort_unless_stopped(parts_.begin(), parts_.end(), stop_,
-                      [](const Part& a, const Part& b) { return a.line < b.line; });
+Status ContourLines::link_chains() {
+  sort_unless_stopped(chains_.begin(), chains_.end(), stop_,
+                      [](const Chain& a, const Chain& b) { return a.line < b.line; });
   constexpr std::size_t none = ~std::size_t{0};
-  std::vector<std::size_t> next(parts_.size(), none);
-  std::vector<bool> goes_on(parts_.size()), used(parts_.size());
-  StopCheck check(stop_, parts_a_look);
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
+  std::vector<std::size_t> next(chains_.size(), none);
+  std::vector<bool> goes_on(chains_.size()), used(chains_.size());
+  StopCheck check(stop_, chains_a_look);
+  for (std::size_t i = 0; i < chains_.size(); ++i) {
     check.step();
-    const Part& part = parts_[i];
-    const Line wanted{.level = part.line.level, .a = part.end_a, .b = part.end_b};
-    const auto found = std::lower_bound(parts_.begin(), parts_.end(), wanted,
-                                        [](const Part& at, const Line& line) { return at.line < line; });
-    if (found == parts_.end() || wanted < found->line) continue;
-    next[i] = static_cast<std::size_t>(found - parts_.begin());
+    const Chain& chain = chains_[i];
+    const Line wanted{.level = chain.line.level, .a = chain.end_a, .b = chain.end_b};
+    const auto found = std::lower_bound(chains_.begin(), chains_.end(), wanted,
+                                        [](const Chain& at, const Line& line) { return at.line < line; });
+    if (found == chains_.end() || wanted < found->line) continue;
+    next[i] = static_cast<std::size_t>(found - chains_.begin());
     goes_on[next[i]] = true;
   }
   std::vector<LinePoint> points;
@@ -92,26 +92,26 @@ Status ContourLines::link_parts() {
     for (std::size_t i = first; i != none && !used[i]; i = next[i]) {
       check.step();
       used[i] = true;
-      if (!points.empty()) points.pop_back();  // the next part begins there
-      BOOST_OUTCOME_TRYV(read(parts_[i].line, points));
+      if (!points.empty()) points.pop_back();  // the next chain begins there
+      BOOST_OUTCOME_TRYV(read(chains_[i].line, points));
     }
     if (points.front().edge() == points.back().edge()) turn(points);
-    BOOST_OUTCOME_TRY(line, write(parts_[first].line.level, points));
+    BOOST_OUTCOME_TRY(line, write(chains_[first].line.level, points));
     return sorted_.push(line);
   };
   for (const bool closed : {false, true}) {
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
+    for (std::size_t i = 0; i < chains_.size(); ++i) {
       if (used[i] || (!closed && goes_on[i])) continue;
       BOOST_OUTCOME_TRYV(follow(i));
     }
   }
-  std::vector<Part>().swap(parts_);
+  std::vector<Chain>().swap(chains_);
   return success();
 }
 
 Status ContourLines::for_each(const std::function<Status(std::int64_t, std::span<const Point>)>& visit) {
   try {
-    BOOST_OUTCOME_TRYV(link_parts());
+    BOOST_OUTCOME_TRYV(link_chains());
   } catch (const Stopped&) {
     return error(Errc::interrupted, "interrupted while linking lines");
   }

@@ -30,9 +30,9 @@ class ContourLines {
  public:
   struct Memory {
     std::uint64_t sort_bytes = 0;
-    std::uint64_t parts_bytes = 0;  // for lines that end at a tile's border, part_bytes each
+    std::uint64_t chains_bytes = 0;  // for lines that end at a tile's border, part_bytes each
   };
-  static constexpr std::uint64_t part_bytes = 96;
+  static constexpr std::uint64_t chain_bytes = 96;
   // `folder` gets the scratch file. After `stop` is requested, all functions soon return the error interrupted.
   static Result<ContourLines> create(const std::filesystem::path& folder, const Memory& memory, std::stop_token stop);
 
@@ -55,7 +55,7 @@ class ContourLines {
     std::uint64_t first = 0, count = 0;
     bool operator<(const Line& other) const { return std::tie(level, a, b) < std::tie(other.level, other.a, other.b); }
   };
-  struct Part {
+  struct Chain {
     Line line;  // sorted by its first edge
     PointId end_a, end_b;
   };
@@ -63,19 +63,19 @@ class ContourLines {
   ContourLines(FileHandle file, std::filesystem::path folder, const Memory& memory, std::stop_token stop)
       : file_(std::move(file)),
         folder_(std::move(folder)),
-        parts_max_(std::max<std::uint64_t>(memory.parts_bytes / part_bytes, 1024)),
+        chains_max_(std::max<std::uint64_t>(memory.chains_bytes / chain_bytes, 1024)),
         stop_(std::move(stop)),
         sorted_(folder_, memory.sort_bytes, stop_) {}
   Result<Line> write(std::int64_t level, std::span<const LinePoint> points);
   Status read(const Line& line, std::vector<LinePoint>& points) const;
-  Status link_parts();
+  Status link_chains();
 
   FileHandle file_;
   std::filesystem::path folder_;
-  std::uint64_t parts_max_;
+  std::uint64_t chains_max_;
   std::stop_token stop_;
   ExternalSort<Line> sorted_;
-  std::vector<Part> parts_;
+  std::vector<Chain> chains_;
   std::uint64_t written_ = 0;  // points
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
 };

@@ -40,7 +40,8 @@ struct Asked {
 Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOptions& options) {
   BOOST_OUTCOME_TRYV(check_surface(out, manifest, options.max_edge));
   if (options.light && options.doubles)
-    return error(Errc::usage, option("hillshade", "true") + ": its pixels are bytes, whatever " + option("type"));
+    return error(Errc::usage, option("hillshade", "true") + ": a shaded raster has pixels of bytes, so " +
+                                  option("type") + " cannot be given with it");
   if (options.light) {
     BOOST_OUTCOME_TRYV(check_light(*options.light));
   }
@@ -74,7 +75,7 @@ auto tiles_with_pixels(const Asked& asked, const TileSource& source, const DemOp
 
 Status check_light(const Light& light) {
   if (!std::isfinite(light.azimuth))
-    return error(Errc::usage, option("azimuth") + ": is no angle, a finite number of degrees");
+    return error(Errc::usage, option("azimuth") + ": must be a finite number of degrees");
   if (!(light.altitude > 0 && light.altitude <= 90))
     return error(Errc::usage, option("altitude") + ": must be above 0 degrees, and 90 at most");
   return success();

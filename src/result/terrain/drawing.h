@@ -29,14 +29,14 @@ struct DrawingOptions {
 };
 
 // Receives the pixels that were drawn. Called by several threads.
-using Take = std::function<Status(Blocks&)>;
+using Consumer = std::function<Status(Blocks&)>;
 
 // Draws cells. Which cell has a pixel, and the value, depends only on the triangulation (cell_raster.h).
 class Drawing {
  public:
   // References must stay valid as long as this object.
   Drawing(const std::filesystem::path& out, const Manifest& manifest, const query::Column& column, const Grid& grid,
-          const DrawingOptions& options, std::stop_token stop, Take take)
+          const DrawingOptions& options, std::stop_token stop, Consumer take)
       : out_(out),
         manifest_(manifest),
         column_(column),
@@ -69,7 +69,7 @@ class Drawing {
   Grid grid_;
   DrawingOptions options_;
   std::stop_token stop_;
-  Take take_;
+  Consumer take_;
   exports::CellFilter filter_;
   std::uint64_t blocks_bytes_;  // of a thread
   std::atomic<std::uint64_t> left_out_{0};

@@ -25,7 +25,8 @@ Result<Grid> grid_over(double res, const Bounds& box, const Bounds& vertices, st
     for (const double c : {bounds->lo.x, bounds->lo.y, bounds->hi.x, bounds->hi.y})
       farthest = std::max(farthest, std::abs(c));
   if (!(farthest <= res * pixels_max))
-    return error(Errc::usage, option(key) + ": is too small for coordinates as large as these, or the box too large");
+    return error(Errc::usage,
+                 option(key) + ": is too small for coordinates as large as these, or the box is too large");
   const auto below = [&](double c) { return std::floor(c / res); };
   const auto above = [&](double c) { return std::ceil(c / res); };
   const double width = std::max(above(box.hi.x) - below(box.lo.x), 1.0);

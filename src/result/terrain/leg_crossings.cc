@@ -14,7 +14,7 @@ namespace {
 using Exact = boost::multiprecision::cpp_rational;
 
 // A place on the leg, as a fraction of the leg that is off by at most `error`.
-struct Place {
+struct EstimatedCrossing {
   Crossing crossing;
   double error = 0;
   Point u, v;  // ends of an edge
@@ -60,39 +60,40 @@ class Leg {
   bool has(const Point& p) const {
     return std::min(from_[axis_], to_[axis_]) <= p[axis_] && p[axis_] <= std::max(from_[axis_], to_[axis_]);
   }
-  Place at_point(Crossing::Kind kind, const std::array<PointId, 3>& ids, const Point& p, double value) const {
+  EstimatedCrossing at_point(Crossing::Kind kind, const std::array<PointId, 3>& ids, const Point& p,
+                             double value) const {
     // Halves, because the length of the leg may overflow a double.
-    const double part = (p[axis_] / 2 - from_[axis_] / 2) / (to_[axis_] / 2 - from_[axis_] / 2);
-    Place place{.crossing = {.kind = kind, .ids = ids, .at = p, .part = part, .value = value},
-                .error = 0x1p-50,
-                .u = p,
-                .v = p};
-    if (!std::isfinite(part)) place.crossing.part = static_cast<double>(exactly(place));
-    return place;
+    const double fraction = (p[axis_] / 2 - from_[axis_] / 2) / (to_[axis_] / 2 - from_[axis_] / 2);
+    EstimatedCrossing estimate{.crossing = {.kind = kind, .ids = ids, .at = p, .fraction = fraction, .value = value},
+                               .error = 0x1p-50,
+                               .u = p,
+                               .v = p};
+    if (!std::isfinite(fraction)) estimate.crossing.fraction = static_cast<double>(exactly(estimate));
+    return estimate;
   }
   // REQUIRES: u and v are on different sides.
-  Place at_edge(const Corner& u, const Corner& v) const {
-    const Ratio part = ratio(u.at, v.at, from_, to_), along = ratio(from_, to_, u.at, v.at);
+  EstimatedCrossing at_edge(const Corner& u, const Corner& v) const {
+    const Ratio fraction = ratio(u.at, v.at, from_, to_), along = ratio(from_, to_, u.at, v.at);
     const auto between = [&](double a, double b) {
       return std::clamp(std::lerp(a, b, along.value), std::min(a, b), std::max(a, b));
     };
     return {.crossing = {.kind = Crossing::Kind::edge,
                          .ids = {u.id, u.id, v.id},
                          .at = {between(u.at.x, v.at.x), between(u.at.y, v.at.y), 0},
-                         .part = part.value,
+                         .fraction = fraction.value,
                          .value = between(u.value, v.value)},
-            .error = part.error,
+            .error = fraction.error,
             .u = u.at,
             .v = v.at};
   }
-  Exact exactly(const Place& place) const {
-    if (place.crossing.kind == Crossing::Kind::edge) return ratio_exactly(place.u, place.v, from_, to_);
+  Exact exactly(const EstimatedCrossing& estimate) const {
+    if (estimate.crossing.kind == Crossing::Kind::edge) return ratio_exactly(estimate.u, estimate.v, from_, to_);
     const Exact from(from_[axis_]);
-    return (Exact(place.u[axis_]) - from) / Exact(Exact(to_[axis_]) - from);
+    return (Exact(estimate.u[axis_]) - from) / Exact(Exact(to_[axis_]) - from);
   }
   // Returns -1, 0 or 1 when a is before, at or after b on the leg.
-  int order(const Place& a, const Place& b) const {
-    const double apart = a.crossing.part - b.crossing.part;
+  int order(const EstimatedCrossing& a, const EstimatedCrossing& b) const {
+    const double apart = a.crossing.fraction - b.crossing.fraction;
     if (std::abs(apart) > a.error + b.error) return apart < 0 ? -1 : 1;
     if (a.crossing.kind == b.crossing.kind && a.crossing.ids == b.crossing.ids && a.u == b.u) return 0;
     return exactly(a).compare(exactly(b));
@@ -105,15 +106,16 @@ class Leg {
   int axis_;  // the axis along which the leg is longer
 };
 
-// Adds the places of one cell.
-void add_places(const Leg& leg, const Triangle& cell, std::size_t number, std::vector<Place>& places) {
-  const std::size_t before = places.size();
+// Adds the crossings of one cell.
+void add_estimates(const Leg& leg, const Triangle& cell, std::size_t number,
+                   std::vector<EstimatedCrossing>& estimates) {
+  const std::size_t before = estimates.size();
   std::array<int, 3> side{};
   for (std::size_t k = 0; k < 3; ++k) {
     side[k] = leg.side(cell[k].at);
     const PointId id = cell[k].id;
     if (side[k] == 0 && leg.has(cell[k].at))
-      places.push_back(leg.at_point(Crossing::Kind::vertex, {id, id, id}, cell[k].at, cell[k].value));
+      estimates.push_back(leg.at_point(Crossing::Kind::vertex, {id, id, id}, cell[k].at, cell[k].value));
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = k == 2 ? 0 : k + 1;
@@ -121,7 +123,7 @@ void add_places(const Leg& leg, const Triangle& cell, std::size_t number, std::v
     const bool swapped = cell[next].id < cell[k].id;
     const Corner &u = cell[swapped ? next : k], &v = cell[swapped ? k : next];
     const int from = exact::orientation_2(u.at, v.at, leg.from()), to = exact::orientation_2(u.at, v.at, leg.to());
-    if (from * to <= 0) places.push_back(leg.at_edge(u, v));
+    if (from * to <= 0) estimates.push_back(leg.at_edge(u, v));
   }
   Triangle sorted = cell;
   std::sort(sorted.begin(), sorted.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
@@ -130,27 +132,27 @@ void add_places(const Leg& leg, const Triangle& cell, std::size_t number, std::v
       return exact::orientation_2(cell[a].at, cell[b].at, end) >= 0;
     };
     if (left_of(0, 1) && left_of(1, 2) && left_of(2, 0))
-      places.push_back(
+      estimates.push_back(
           leg.at_point(Crossing::Kind::end, {sorted[0].id, sorted[1].id, sorted[2].id}, end, value_at(sorted, end)));
   }
-  for (std::size_t i = before; i < places.size(); ++i) places[i].cell = number;
+  for (std::size_t i = before; i < estimates.size(); ++i) estimates[i].cell = number;
 }
 
 }  // namespace
 
 std::vector<Crossing> crossings(const query::Leg& line, std::span<const Triangle> cells) {
   const Leg leg(line);
-  std::vector<Place> places;
-  for (std::size_t i = 0; i < cells.size(); ++i) add_places(leg, cells[i], i, places);
-  std::sort(places.begin(), places.end(), [&](const Place& a, const Place& b) {
+  std::vector<EstimatedCrossing> estimates;
+  for (std::size_t i = 0; i < cells.size(); ++i) add_estimates(leg, cells[i], i, estimates);
+  std::sort(estimates.begin(), estimates.end(), [&](const EstimatedCrossing& a, const EstimatedCrossing& b) {
     if (const int order = leg.order(a, b); order != 0) return order < 0;
     return std::tie(a.crossing.kind, a.crossing.ids) < std::tie(b.crossing.kind, b.crossing.ids);
   });
   std::vector<Crossing> result;
-  std::vector<std::pair<std::size_t, std::size_t>> of_cell(cells.size(), {cells.size() + places.size(), 0});
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (i == 0 || leg.order(places[i - 1], places[i]) != 0) result.push_back(places[i].crossing);
-    auto& [first, last] = of_cell[places[i].cell];
+  std::vector<std::pair<std::size_t, std::size_t>> of_cell(cells.size(), {cells.size() + estimates.size(), 0});
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (i == 0 || leg.order(estimates[i - 1], estimates[i]) != 0) result.push_back(estimates[i].crossing);
+    auto& [first, last] = of_cell[estimates[i].cell];
     first = std::min(first, result.size() - 1);
     last = std::max(last, result.size() - 1);
   }

@@ -18,7 +18,7 @@ struct Crossing {
   Kind kind = Kind::vertex;
   std::array<PointId, 3> ids{};  // vertex: its id three times; cell: ascending; edge: the lower id twice
   Point at;
-  double part = 0;  // of the line up to here, 0..1
+  double fraction = 0;  // of the line up to here, 0..1
   double value = 0;
   bool joined = false;  // a cell joins it with the next crossing
 };

@@ -59,18 +59,18 @@ Result<std::unique_ptr<HeightRaster>> HeightRaster::open(const std::filesystem::
   const DefaultArithmetic kept;
   const GdalQuiet quiet(*gdal);
   const auto no_raster = [&](const std::string& why) { return error(Errc::usage, path.string() + ": " + why); };
-  if (!check_regular(path)) return no_raster("is no raster");  // GDAL would wait for a named pipe
+  if (!check_regular(path)) return no_raster("is not a raster");  // GDAL would wait for a named pipe
   const char* const drivers[] = {"GTiff", nullptr};
   const GDALDatasetH dataset =
       gdal->GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr);
-  if (dataset == nullptr) return no_raster("is no raster");
+  if (dataset == nullptr) return no_raster("is not a raster");
   auto raster = std::unique_ptr<HeightRaster>(new HeightRaster(*gdal, dataset));
   raster->path_ = path.string();
   const auto type = gdal->GDALGetRasterDataType(gdal->GDALGetRasterBand(dataset, 1));
   double transform[6] = {};
   if (gdal->GDALGetRasterCount(dataset) != 1 || (type != GDT_Float32 && type != GDT_Float64) ||
       gdal->GDALGetGeoTransform(dataset, transform) != CE_None)
-    return no_raster("is no raster of heights");
+    return no_raster("is not a raster of heights");
   const auto places = LonLat::of(gdal->GDALGetProjectionRef(dataset));
   if (!places) return places.error().code == Errc::io ? places.error() : no_raster(places.error().where);
   const double right = transform[0] + transform[1] * gdal->GDALGetRasterXSize(dataset);

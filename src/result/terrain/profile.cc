@@ -96,12 +96,12 @@ Result<std::vector<ProfilePoint>> profile(const query::StoredTriangulation& resu
     const double length = std::hypot(leg.to.x - leg.from.x, leg.to.y - leg.from.y);
     for (std::size_t k = 0; k < places.size(); ++k) {
       const auto& place = places[k];
-      const bool at_from = place.part == 0;
+      const bool at_from = place.fraction == 0;
       if (k == 0 && goes_on && at_from) continue;  // the last leg ended there
       if (!points.empty() && (k == 0 || !places[k - 1].joined)) ++part;
-      points.push_back({before + place.part * length, place.at.x, place.at.y, place.value, part});
+      points.push_back({before + place.fraction * length, place.at.x, place.at.y, place.value, part});
     }
-    goes_on = !places.empty() && places.back().part == 1;
+    goes_on = !places.empty() && places.back().fraction == 1;
     before += length;
   }
   if (points.empty()) return error(Errc::usage, out.string() + ": the line meets no cell");
@@ -128,8 +128,8 @@ Result<int> parse_digits(const std::string& text) {
   int digits = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), digits);
   if (failed != std::errc() || end != text.data() + text.size() || digits < 0 || digits > digits_most)
-    return error(Errc::usage, "'" + text + "' is no number of decimals from 0 to " + std::to_string(digits_most) +
-                                  ", nor all or data");
+    return error(Errc::usage, "'" + text + "' is not a number of decimals from 0 to " + std::to_string(digits_most) +
+                                  ", all or data");
   return digits;
 }
 

@@ -66,8 +66,9 @@ Result<std::vector<std::size_t>> tiles_meeting(const TileSource& source, const s
 std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box) {
   std::string note = crs_note(manifest.crs);
   if (!query::knows(manifest, box.value_or(manifest.bounds)))
-    note += std::string(note.empty() ? "" : "; ") +
-            "the region does not know all cells of this place: the whole triangulation may have more there, or others";
+    note +=
+        std::string(note.empty() ? "" : "; ") +
+        "the region does not hold all cells of this box: the whole triangulation may have more or other cells there";
   return note;
 }
 

@@ -27,8 +27,8 @@ Json box_of(const Bounds& bounds, const Point& origin) {
   return box;
 }
 
-Json tile_of(const std::vector<NodeEntry>& nodes, std::size_t place, const Point& origin) {
-  const NodeEntry& node = nodes[place];
+Json tile_of(const std::vector<TilesetNode>& nodes, std::size_t place, const Point& origin) {
+  const TilesetNode& node = nodes[place];
   Json tile{{"boundingVolume", {{"box", box_of(node.bounds, origin)}}},
             {"geometricError", node.error},
             {"refine", "REPLACE"},

@@ -15,7 +15,7 @@
 
 namespace tessera::tileset {
 
-struct NodeEntry {
+struct TilesetNode {
   Bounds bounds;
   double error = 0;  // in units of the coordinates
   std::uint64_t triangles = 0, bytes = 0, xxh3 = 0;
@@ -38,7 +38,7 @@ class NodeFiles {
   // Writes the document. Error io.
   Status finish(std::size_t root, const Manifest& manifest) const;
 
-  const std::vector<NodeEntry>& nodes() const { return nodes_; }
+  const std::vector<TilesetNode>& nodes() const { return nodes_; }
   std::uint64_t bytes() const { return bytes_; }
 
  private:
@@ -46,7 +46,7 @@ class NodeFiles {
 
   std::filesystem::path folder_;
   Point origin_;
-  std::vector<NodeEntry> nodes_;
+  std::vector<TilesetNode> nodes_;
   Ranges ranges_;
   std::uint64_t bytes_ = 0;
 };

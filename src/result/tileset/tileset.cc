@@ -112,7 +112,7 @@ class Making {
           at.z = heights_.at(values);
           if (!(std::abs(at.z) <= farthest))
             return error(Errc::usage, source_.folder().string() +
-                                          ": a vertex has no height that can be shown: " + std::to_string(at.z));
+                                          ": a vertex has a height that cannot be shown: " + std::to_string(at.z));
           surface.vertices.push_back({at, mesh.ids[v], mesh.owners[v], clamped<std::uint16_t>(intensities_.at(values)),
                                       clamped<std::uint8_t>(classes_.at(values))});
         }
@@ -188,7 +188,7 @@ Status check_place(const fs::path& target, bool overwrite) {
   if (!overwrite)
     return error(Errc::usage, target.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
   BOOST_OUTCOME_TRY(replaceable, is_tileset(target));
-  if (!replaceable) return error(Errc::usage, target.string() + ": is no tileset, and is not replaced");
+  if (!replaceable) return error(Errc::usage, target.string() + ": is not a tileset, so it is not replaced");
   return success();
 }
 
@@ -198,7 +198,7 @@ Status check_result(const fs::path& out, const Manifest& manifest) {
                  out.string() + ": is a 3D result, which is no surface; triangulate with " + option("dim", "2"));
   const Bounds& box = manifest.bounds;
   if (!(box.hi.x - box.lo.x <= farthest && box.hi.y - box.lo.y <= farthest))
-    return error(Errc::usage, out.string() + ": its points are too far apart for what viewers compute with");
+    return error(Errc::usage, out.string() + ": its points are too far apart for the 32-bit floats of viewers");
   return success();
 }
 
@@ -272,7 +272,7 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
   folder.keep();
   BOOST_OUTCOME_TRYV(sync_folder(beside));
   const auto leaves = std::count_if(files.nodes().begin(), files.nodes().end(),
-                                    [](const tileset::NodeEntry& node) { return node.children.empty(); });
+                                    [](const tileset::TilesetNode& node) { return node.children.empty(); });
   return Tileset{.path = path,
                  .nodes = files.nodes().size(),
                  .leaves = static_cast<std::uint64_t>(leaves),

@@ -10,7 +10,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/geometry/mesh/tile_mesh.h"
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 

@@ -7,7 +7,7 @@
 
 #include "src/base/result.h"
 #include "src/result/store/external_sort.h"
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 

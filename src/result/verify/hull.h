@@ -31,7 +31,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/result/store/external_sort.h"
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 
@@ -40,7 +40,7 @@ namespace tessera {
 struct HullFacet {
   std::array<Point, 3> at;
   std::array<PointId, 3> ids;
-  Place cell;
+  CellRef cell;
 };
 
 struct Core {

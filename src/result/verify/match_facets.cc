@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 

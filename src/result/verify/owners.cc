@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 
@@ -18,8 +18,8 @@ void Owners::look_at(const TileMesh& mesh, TileId tile, const TileSource& source
     const TileId owner = partition_->tile_of(mesh.points[i]);
     if (mesh.owners[i] == owner) continue;
     wrong_ = wrong_tile(source, tile,
-                        "vertex " + to_string(mesh.ids[i]) + " is said to be of tile " + to_string(mesh.owners[i]) +
-                            ", by the partition it is of tile " + to_string(owner));
+                        "vertex " + to_string(mesh.ids[i]) + " has the owner " + to_string(mesh.owners[i]) +
+                            ", but by the partition it belongs to tile " + to_string(owner));
     return;
   }
 }

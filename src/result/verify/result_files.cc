@@ -42,11 +42,11 @@ Status check_previous_master(const TileSource& source, const fs::path& path) {
     if (sum_of_text(store::master_text(manifest)) != *source.manifest().previous_master_xxh3) continue;
     for (const auto& entry : manifest.tiles) {
       BOOST_OUTCOME_TRY(there, is_there(tile_file(source.folder(), entry)));
-      if (!there) return corrupt(path, "leads to tiles of the version before, which are not there");
+      if (!there) return corrupt(path, "names tiles of the version before, which are missing");
     }
     return success();
   }
-  return corrupt(path, "is the master file of the version before, whose manifest is not there");
+  return corrupt(path, "is the master file of the version before, whose manifest is missing");
 }
 
 // Programs open the master file instead of the tiles, so it must refer to all of them, complete and in order. It is
@@ -80,7 +80,7 @@ Status check_listed(const TileSource& source) {
     const fs::path name(entry);
     const bool unfinished = version_of_tile_file(name).value_or(0) > manifest.version;
     if (kind_of_tile_file(name) && !names.contains(name) && !unfinished)
-      return corrupt(folder / name, "is no tile of the manifest");
+      return corrupt(folder / name, "is not a tile of the manifest");
   }
   // A result without tiles may lack the folder.
   if (reader.error() && !manifest.tiles.empty()) return io_error(folder, "cannot be listed", reader.error().value());

@@ -52,7 +52,7 @@ Status check_contents(const Contents& contents, const TileSource& source) {
     sum += contents.digests[i];
     if (entry.digest && *entry.digest != contents.digests[i])
       return error(Errc::corrupt, source.file(i).string() + ": its digest is " + digest_text(contents.digests[i]) +
-                                      ", the manifest says " + digest_text(*entry.digest) +
+                                      ", but the manifest says " + digest_text(*entry.digest) +
                                       ": it holds another triangulation than was stored");
   }
   if (manifest.digest && *manifest.digest != sum)
@@ -132,7 +132,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   BOOST_OUTCOME_TRYV(hull.finish());
   if (report.cells != manifest.cells)
     return error(Errc::not_delaunay, manifest_file(out).string() + ": counts " + std::to_string(manifest.cells) +
-                                         " cells, the tiles have " + std::to_string(report.cells) + " main ones");
+                                         " cells, but the tiles have " + std::to_string(report.cells) + " main cells");
   if (report.cells == 0) return error(Errc::not_delaunay, out.string() + ": holds no cell");
   BOOST_OUTCOME_TRYV(check_boxes(manifest, out));
   BOOST_OUTCOME_TRYV(owners.finish());

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "src/base/files/names.h"
-#include "src/result/verify/place.h"
+#include "src/result/verify/cell_ref.h"
 
 namespace tessera {
 
@@ -15,13 +15,13 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
     return error(Errc::not_delaunay, manifest_file(source.folder()).string() + ": " + reason);
   };
   if (duplicates.size() != manifest.duplicates)
-    return wrong("counts " + std::to_string(manifest.duplicates) + " duplicates, duplicates.bin lists " +
+    return wrong("counts " + std::to_string(manifest.duplicates) + " duplicates, but duplicates.bin lists " +
                  std::to_string(duplicates.size()));
   // They ascend. A pair with a number beyond all points could hide that a point was lost.
   if (!duplicates.empty() && duplicates.back().duplicate.value >= manifest.points_read)
     return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " +
-                                         to_string(duplicates.back().duplicate) + " is none of the " +
-                                         std::to_string(manifest.points_read) + " points read");
+                                         to_string(duplicates.back().duplicate) + " is not one of the " +
+                                         std::to_string(manifest.points_read) + " points that were read");
   std::vector<PointId> kept;
   kept.reserve(duplicates.size());
   for (const auto& pair : duplicates) kept.push_back(pair.kept);
@@ -39,15 +39,15 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
               (last->tile == vertex.tile ? " is there twice" : " is also tile " + to_string(last->tile) + "'s own"));
     if (vertex.id.value >= manifest.points_read)
       return wrong_tile(source, vertex.tile,
-                        "vertex " + to_string(vertex.id) + " is none of the " + std::to_string(manifest.points_read) +
-                            " points read");
+                        "vertex " + to_string(vertex.id) + " is not one of the " +
+                            std::to_string(manifest.points_read) + " points that were read");
     while (duplicate != duplicates.end() && duplicate->duplicate < vertex.id) ++duplicate;
     if (duplicate != duplicates.end() && duplicate->duplicate == vertex.id)
       return wrong_tile(source, vertex.tile,
                         "vertex " + to_string(vertex.id) + " is listed in duplicates.bin as a duplicate");
     if (wanted != kept.end() && *wanted < vertex.id)
       return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " + to_string(*wanted) +
-                                           " was kept for a duplicate, but is no vertex");
+                                           " was kept for a duplicate, but is not a vertex");
     while (wanted != kept.end() && *wanted == vertex.id) ++wanted;
     last = vertex;
     ++vertices;
@@ -55,9 +55,9 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
   }));
   if (wanted != kept.end())
     return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " + to_string(*wanted) +
-                                         " was kept for a duplicate, but is no vertex");
+                                         " was kept for a duplicate, but is not a vertex");
   if (vertices != manifest.vertices)
-    return wrong("counts " + std::to_string(manifest.vertices) + " vertices, the tiles own " +
+    return wrong("counts " + std::to_string(manifest.vertices) + " vertices, but the tiles own " +
                  std::to_string(vertices));
   // Subtracted one by one: the manifest may hold any numbers, and a sum could wrap around to the right one.
   std::uint64_t left = manifest.points_read;

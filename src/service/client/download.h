@@ -19,8 +19,8 @@ struct RemoteFile {
   std::string path;  // in the result: "tiles/000042.vtu"
   // From the manifest, or from the job that wrote the file. A partial download without a checksum is not continued.
   std::optional<std::uint64_t> bytes, xxh3;
-  SumOf sum = SumOf::bytes;  // how xxh3 is computed
-  bool in_manifest = true;   // then its ETag is its checksum
+  ChecksumOf sum = ChecksumOf::bytes;  // how xxh3 is computed
+  bool in_manifest = true;             // then its ETag is its checksum
 };
 
 // Downloads to temporary_name(to), then syncs the file and renames it to `to` when it is complete and has its checksum.

@@ -81,7 +81,7 @@ struct Wanted {
 
 std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& triangulation, const fs::path& folder) {
   std::vector<Wanted> list;
-  const auto add = [&](auto name_in, std::optional<std::uint64_t> bytes, std::uint64_t xxh3, SumOf sum) {
+  const auto add = [&](auto name_in, std::optional<std::uint64_t> bytes, std::uint64_t xxh3, ChecksumOf sum) {
     list.push_back(
         {.file =
              {.triangulation = triangulation, .path = name_in("").string(), .bytes = bytes, .xxh3 = xxh3, .sum = sum},
@@ -91,7 +91,7 @@ std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& trian
     add([&](const fs::path& out) { return tile_file(out, entry); }, entry.bytes, entry.xxh3,
         data_sum_of(manifest.format_version));
   }
-  add([&](const fs::path& out) { return master_file(out); }, {}, manifest.master_xxh3, SumOf::bytes);
+  add([&](const fs::path& out) { return master_file(out); }, {}, manifest.master_xxh3, ChecksumOf::bytes);
   if (manifest.duplicates_xxh3 != 0) {
     add([](const fs::path& out) { return duplicates_file(out); }, {}, manifest.duplicates_xxh3,
         data_sum_of(manifest.format_version));

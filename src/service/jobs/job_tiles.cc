@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-constexpr char letter(TileStage stage) { return static_cast<char>(stage); }
+constexpr char letter(TileStatus stage) { return static_cast<char>(stage); }
 
 constexpr std::size_t parts_of_time = 240;  // as many as a curve on a page shows
 
@@ -45,7 +45,8 @@ void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& t
   std::string stages = progress.map.stages();
   if (phase.settled) {
     for (char& stage : stages)
-      if (stage != letter(TileStage::empty) && stage != letter(TileStage::stored)) stage = letter(TileStage::settled);
+      if (stage != letter(TileStatus::empty) && stage != letter(TileStatus::stored))
+        stage = letter(TileStatus::settled);
   }
   tiles.set_stages(std::move(stages));
   tiles.set_begun_again(progress.map.begun_again());
@@ -58,9 +59,9 @@ void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& t
 }
 
 Status tell_stored(const Manifest& manifest, bool with_layout, proto::JobTiles& tiles) {
-  std::string stages(std::max<std::size_t>(1, manifest.boxes.size()), letter(TileStage::empty));
+  std::string stages(std::max<std::size_t>(1, manifest.boxes.size()), letter(TileStatus::empty));
   for (const TileEntry& entry : manifest.tiles) {
-    if (entry.tile.value < stages.size()) stages[entry.tile.value] = letter(TileStage::stored);
+    if (entry.tile.value < stages.size()) stages[entry.tile.value] = letter(TileStatus::stored);
   }
   tiles.set_stages(std::move(stages));
   for (const auto& [phase, seconds] : manifest.seconds) tiles.set_elapsed_s(tiles.elapsed_s() + seconds);

@@ -48,7 +48,7 @@ Reply<JobDone> done_with(JobSummary summary, const proto::JobRecord& job) {
 proto::Problem failed_with(const Error& error, const std::optional<proto::Problem>& refused, ResultFolder& folder,
                            const Workshop& shop, const JobWork& work) {
   if (error.code == Errc::interrupted) {
-    work.log(folder.interrupted() ? "interrupted; what is done stays"
+    work.log(folder.abandon_unless_resumable() ? "interrupted; what is done stays"
                                   : "interrupted before there was anything to keep");
     return problem_of(error);
   }

@@ -21,7 +21,7 @@ std::int64_t gained(const CutGraph& before, const CutGraph& after, std::uint32_t
 std::string why_no_proof(const CutGraph& before, const CutGraph& after, const CellSet& source) {
   if (before.cells() != after.cells() || before.capacity.size() != after.capacity.size() ||
       !std::equal(before.back.begin(), before.back.end(), after.back.begin(), after.back.end()))
-    return "the flow is of another graph";
+    return "the flow belongs to another graph";
   for (Arc arc = 0; arc < before.capacity.size(); ++arc) {
     const Arc back = before.back[arc];
     if (!is_inner(back)) {
@@ -35,7 +35,7 @@ std::string why_no_proof(const CutGraph& before, const CutGraph& after, const Ce
   CellSet seen(after.cells());
   for (std::uint32_t cell = 0; cell < after.cells(); ++cell) {
     if (after.excess[cell] - before.excess[cell] != gained(before, after, cell))
-      return "flow is lost or made at cell " + std::to_string(cell);
+      return "flow is lost or created at cell " + std::to_string(cell);
     if (source.contains(cell) ? after.excess[cell] < 0 : after.excess[cell] > 0)
       return "cell " + std::to_string(cell) + " keeps flow on the wrong side";
     if (after.excess[cell] <= 0) continue;
@@ -48,7 +48,7 @@ std::string why_no_proof(const CutGraph& before, const CutGraph& after, const Ce
     for (Arc arc = 4 * cell; arc < 4 * cell + 4; ++arc) {
       const Arc back = after.back[arc];
       if (!is_inner(back) || after.capacity[arc] == 0) continue;
-      if (!source.contains(back >> 2u)) return "flow can go on from cell " + std::to_string(cell);
+      if (!source.contains(back >> 2u)) return "more flow is possible from cell " + std::to_string(cell);
       if (seen.insert(back >> 2u)) reached.push_back(back >> 2u);
     }
   }

@@ -26,8 +26,8 @@ std::vector<Decided> decided_by(const CellSet& least, const CellSet& most, std::
   return decided;
 }
 
-CutKernel kernel_of(const CutGraph& graph, const std::vector<Decided>& decided) {
-  CutKernel kernel;
+ReducedGraph kernel_of(const CutGraph& graph, const std::vector<Decided>& decided) {
+  ReducedGraph kernel;
   std::vector<std::uint32_t> number(graph.cells(), ~std::uint32_t{0});
   for (std::uint32_t cell = 0; cell < graph.cells(); ++cell) {
     if (decided[cell] != Decided::no) continue;
@@ -79,7 +79,7 @@ CutKernel kernel_of(const CutGraph& graph, const std::vector<Decided>& decided) 
   return kernel;
 }
 
-void take_decided(CutKernel& kernel, const std::vector<Decided>& across) {
+void take_decided(ReducedGraph& kernel, const std::vector<Decided>& across) {
   CutGraph& graph = kernel.graph;
   check(across.size() == graph.borders.size(), "each border of a kernel is asked about");
   std::uint32_t stay = 0;

@@ -26,15 +26,15 @@ inline std::vector<Decided> decided_by(const CellSet& source, std::uint32_t cell
 
 // The region without the cells that are decided. Arcs from a decided source cell become excess; arcs to a decided sink
 // cell become deficit.
-struct CutKernel {
+struct ReducedGraph {
   CutGraph graph;
   std::vector<std::uint32_t> cells;    // by cell of the kernel: the cell of the region
   std::vector<std::uint32_t> borders;  // by border of the kernel: the border of the region
 };
-CutKernel kernel_of(const CutGraph& graph, const std::vector<Decided>& decided);
+ReducedGraph kernel_of(const CutGraph& graph, const std::vector<Decided>& decided);
 
 // Removes borders whose cell across has been decided. `across`: by border, what was decided; Decided::no for borders
 // that stay. The borders that stay keep their order.
-void take_decided(CutKernel& kernel, const std::vector<Decided>& across);
+void take_decided(ReducedGraph& kernel, const std::vector<Decided>& across);
 
 }  // namespace tessera::cut

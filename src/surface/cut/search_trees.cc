@@ -22,14 +22,14 @@ CellSet SearchTrees::run() {
 }
 
 void SearchTrees::plant() {
-  place_.assign(graph_.cells(), {});
+  nodes_.assign(graph_.cells(), {});
   source_ = {};
   sink_ = {};
   for (std::uint32_t cell = 0; cell < graph_.cells(); ++cell) {
     if (graph_.excess[cell] == 0) continue;
     const bool gives = graph_.excess[cell] > 0;
-    place_[cell].level = gives ? 1 : -1;
-    place_[cell].parent = root;
+    nodes_[cell].level = gives ? 1 : -1;
+    nodes_[cell].parent = root;
     (gives ? source_ : sink_).frontier.push_back(cell);
   }
 }
@@ -42,7 +42,7 @@ void SearchTrees::grow() {
   own.allowed = own.level + 1;
   for (std::size_t i = 0; i < own.frontier.size(); ++i) {
     const std::uint32_t cell = own.frontier[i];
-    if (level_of<side>(place_[cell].level) == own.level) scan<side>(cell);
+    if (level_of<side>(nodes_[cell].level) == own.level) scan<side>(cell);
   }
   own.frontier.swap(own.next);
   own.next.clear();
@@ -57,25 +57,25 @@ void SearchTrees::scan(std::uint32_t cell) {
     if (!is_inner(in)) continue;
     const std::uint32_t other = in >> 2u;
     while (graph_.capacity[side == Side::source ? out : in] > 0) {
-      if (place_[other].level == 0) {
-        place_[other].level = side == Side::source ? own.level + 1 : -own.level - 1;
-        place_[other].parent = static_cast<std::uint8_t>(in & 3u);
+      if (nodes_[other].level == 0) {
+        nodes_[other].level = side == Side::source ? own.level + 1 : -own.level - 1;
+        nodes_[other].parent = static_cast<std::uint8_t>(in & 3u);
         own.next.push_back(other);
         break;
       }
-      if (level_of<side>(place_[other].level) > 0) break;
+      if (level_of<side>(nodes_[other].level) > 0) break;
       augment(side == Side::source ? out : in);
       adopt_all<Side::source>();
       adopt_all<Side::sink>();
-      if (level_of<side>(place_[cell].level) != own.level) return;
+      if (level_of<side>(nodes_[cell].level) != own.level) return;
     }
   }
 }
 
 template <SearchTrees::Side side>
 std::int64_t SearchTrees::room_to_root(std::uint32_t cell, std::int64_t most) const {
-  while (place_[cell].parent != root) {
-    const Arc up = 4 * cell + place_[cell].parent;
+  while (nodes_[cell].parent != root) {
+    const Arc up = 4 * cell + nodes_[cell].parent;
     most = std::min<std::int64_t>(most, of_tree<side>(up));
     cell = graph_.back[up] >> 2u;
   }
@@ -84,8 +84,8 @@ std::int64_t SearchTrees::room_to_root(std::uint32_t cell, std::int64_t most) co
 
 template <SearchTrees::Side side>
 void SearchTrees::push_to_root(std::uint32_t cell, std::uint32_t flow) {
-  while (place_[cell].parent != root) {
-    const Arc up = 4 * cell + place_[cell].parent;
+  while (nodes_[cell].parent != root) {
+    const Arc up = 4 * cell + nodes_[cell].parent;
     const Arc along = side == Side::source ? graph_.back[up] : up;
     const std::uint32_t above = graph_.back[up] >> 2u;
     graph_.push(along, flow);
@@ -108,13 +108,13 @@ void SearchTrees::augment(Arc across) {
 template <SearchTrees::Side side>
 void SearchTrees::orphan(std::uint32_t cell) {
   auto& orphans = tree<side>().orphans;
-  const auto level = static_cast<std::size_t>(level_of<side>(place_[cell].level));
+  const auto level = static_cast<std::size_t>(level_of<side>(nodes_[cell].level));
   if (orphans.size() <= level) orphans.resize(level + 1);
   orphans[level].push_back(cell);
   Tree& own = tree<side>();
   own.first = std::min(own.first, level);
   own.last = std::max(own.last, level);
-  place_[cell].parent = none;
+  nodes_[cell].parent = none;
 }
 
 // Adopts orphans from the least level on, so that a parent that is found has its own path to a root.
@@ -136,32 +136,32 @@ void SearchTrees::adopt_all() {
 template <SearchTrees::Side side>
 void SearchTrees::adopt(std::uint32_t cell) {
   Tree& own = tree<side>();
-  const std::int32_t level = level_of<side>(place_[cell].level);
+  const std::int32_t level = level_of<side>(nodes_[cell].level);
   std::int32_t least = own.allowed;
   std::uint8_t parent = none;
   for (std::uint8_t facet = 0; facet < 4; ++facet) {
     const Arc to = 4 * cell + facet;
     if (!is_inner(graph_.back[to]) || of_tree<side>(to) == 0) continue;
-    const std::int32_t other = level_of<side>(place_[graph_.back[to] >> 2u].level);
+    const std::int32_t other = level_of<side>(nodes_[graph_.back[to] >> 2u].level);
     if (other <= 0 || other >= least) continue;
     least = other;
     parent = facet;
     if (other == level - 1) break;
   }
-  place_[cell].parent = parent;
+  nodes_[cell].parent = parent;
   if (least == level - 1 && parent != none) return;
   // Its children are now too near to the root, or have lost their path.
   for (std::uint32_t facet = 0; facet < 4; ++facet) {
     const Arc across = graph_.back[4 * cell + facet];
     if (!is_inner(across)) continue;
     const std::uint32_t child = across >> 2u;
-    if (level_of<side>(place_[child].level) > 0 && place_[child].parent == (across & 3u)) orphan<side>(child);
+    if (level_of<side>(nodes_[child].level) > 0 && nodes_[child].parent == (across & 3u)) orphan<side>(child);
   }
   if (parent == none) {
-    place_[cell].level = 0;
+    nodes_[cell].level = 0;
     return;
   }
-  place_[cell].level = side == Side::source ? least + 1 : -least - 1;
+  nodes_[cell].level = side == Side::source ? least + 1 : -least - 1;
   if (least + 1 == own.level) own.frontier.push_back(cell);
   if (least + 1 > own.level) own.next.push_back(cell);
 }

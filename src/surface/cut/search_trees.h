@@ -20,7 +20,7 @@ class SearchTrees {
 
   // Moves flow until no path leads from an excess to a deficit. Returns reached_from_excess().
   CellSet run();
-  std::size_t bytes() const { return place_.capacity() * sizeof(Place); }
+  std::size_t bytes() const { return nodes_.capacity() * sizeof(TreeNode); }
 
  private:
   enum class Side : std::uint8_t { source, sink };
@@ -70,11 +70,11 @@ class SearchTrees {
 
   CutGraph& graph_;
   // What is known of a cell in a tree. Level and parent stand together, because they are read together.
-  struct Place {
+  struct TreeNode {
     std::int32_t level = 0;
     std::uint8_t parent = none;
   };
-  std::vector<Place> place_;
+  std::vector<TreeNode> nodes_;
   Tree source_, sink_;
 };
 

@@ -70,7 +70,7 @@ TrackLine estimate_line(std::span<const Observed> observed, TrackLine told, Trac
   }
   if (!told.refused.empty()) return told;
   std::vector<double> degrees, heights;
-  std::vector<Track::Place> places;
+  std::vector<Track::TrackPoint> places;
   for (const Window& window : windows) {
     degrees.insert(degrees.end(), window.degrees.begin(), window.degrees.end());
     heights.push_back(window.height);

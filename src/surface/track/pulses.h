@@ -44,8 +44,8 @@ class Pulses {
   };
 
   std::string missing_;
-  RowColumn number_, count_, time_;
-  std::optional<RowColumn> line_;
+  AttributeColumn number_, count_, time_;
+  std::optional<AttributeColumn> line_;
   Sampled<Return> returns_;
 };
 

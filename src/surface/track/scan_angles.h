@@ -38,8 +38,8 @@ class ScanAngles {
 
  private:
   std::string missing_;
-  RowColumn angle_, time_;
-  std::optional<RowColumn> line_;
+  AttributeColumn angle_, time_;
+  std::optional<AttributeColumn> line_;
   Sampled<AngledPoint> points_;
 };
 

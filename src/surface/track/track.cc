@@ -63,7 +63,8 @@ Result<std::array<std::optional<std::size_t>, names.size()>> columns_of(const Ro
     const auto found = std::find(cells.begin(), cells.end(), names[i]);
     if (found != cells.end()) columns[i] = static_cast<std::size_t>(found - cells.begin());
     if (!columns[i] && names[i] != "line")
-      return rows.bad("the header names no column '" + std::string(names[i]) + "'; it has to be as time,x,y,z,line");
+      return rows.bad("the header names no column '" + std::string(names[i]) +
+                      "'; the header must be time,x,y,z or time,x,y,z,line");
   }
   return columns;
 }
@@ -95,11 +96,12 @@ Result<Track> Track::parse(std::string_view text, const std::filesystem::path& f
     const double line = values.back();
     if (line < 0 || line > std::numeric_limits<std::uint32_t>::max() || line != std::floor(line))
       return rows.bad("line is not a whole number of 32 bits");
-    auto& places = track.lines_[static_cast<std::uint32_t>(line)];
-    if (!places.empty() && places.back().time >= values[0]) return rows.bad("its time is not after the one before");
-    places.push_back({values[0], without_negative_zero({values[1], values[2], values[3]})});
+    auto& points = track.lines_[static_cast<std::uint32_t>(line)];
+    if (!points.empty() && points.back().time >= values[0])
+      return rows.bad("its time is not after that of the line before");
+    points.push_back({values[0], without_negative_zero({values[1], values[2], values[3]})});
   }
-  if (track.empty()) return error(Errc::bad_input, file.string() + ": has no places");
+  if (track.empty()) return error(Errc::bad_input, file.string() + ": has no positions, only a header");
   return track;
 }
 
@@ -111,42 +113,42 @@ std::string Track::to_csv() const {
     text.append(digits.data(), end);
     text += after;
   };
-  for (const auto& [line, places] : lines_) {
-    for (const Place& place : places) {
-      put(place.time, ',');
-      put(place.at.x, ',');
-      put(place.at.y, ',');
-      put(place.at.z, tells_lines_ ? ',' : '\n');
+  for (const auto& [line, points] : lines_) {
+    for (const TrackPoint& point : points) {
+      put(point.time, ',');
+      put(point.at.x, ',');
+      put(point.at.y, ',');
+      put(point.at.z, tells_lines_ ? ',' : '\n');
       if (tells_lines_) text += std::to_string(line) + '\n';
     }
   }
   return text;
 }
 
-void Track::add(std::uint32_t line, std::vector<Place> places) { lines_[line] = std::move(places); }
+void Track::add(std::uint32_t line, std::vector<TrackPoint> points) { lines_[line] = std::move(points); }
 
 std::optional<Point> Track::at(std::uint32_t line, double time) const {
   const auto found = tells_lines_ ? lines_.find(line) : lines_.begin();
   if (found == lines_.end() || !std::isfinite(time)) return std::nullopt;
-  const auto& places = found->second;
-  const auto after = std::lower_bound(places.begin(), places.end(), time,
-                                      [](const Place& place, double wanted) { return place.time < wanted; });
-  const auto mixed = [&](const Place& a, const Place& b) -> std::optional<Point> {
+  const auto& points = found->second;
+  const auto after = std::lower_bound(points.begin(), points.end(), time,
+                                      [](const TrackPoint& point, double wanted) { return point.time < wanted; });
+  const auto mixed = [&](const TrackPoint& a, const TrackPoint& b) -> std::optional<Point> {
     const double part = (time - a.time) / (b.time - a.time);
     const Point at{a.at.x + (b.at.x - a.at.x) * part, a.at.y + (b.at.y - a.at.y) * part,
                    a.at.z + (b.at.z - a.at.z) * part};
     return is_finite(at) ? std::optional(at) : std::nullopt;
   };
-  const bool first = after == places.begin(), last = after == places.end();
+  const bool first = after == points.begin(), last = after == points.end();
   if (!first && !last && after->time - (after - 1)->time <= gap_max) return mixed(*(after - 1), *after);
   // At an end, or at the edge of a gap: the path continues in its direction.
   if (!last && after->time - time <= beyond) {
-    const bool way = after + 1 != places.end() && (after + 1)->time - after->time <= gap_max;
+    const bool way = after + 1 != points.end() && (after + 1)->time - after->time <= gap_max;
     return way ? mixed(*after, *(after + 1)) : after->at;
   }
   if (!first && time - (after - 1)->time <= beyond) {
     const auto before = after - 1;
-    const bool way = before != places.begin() && before->time - (before - 1)->time <= gap_max;
+    const bool way = before != points.begin() && before->time - (before - 1)->time <= gap_max;
     return way ? mixed(*(before - 1), *before) : before->at;
   }
   return std::nullopt;

@@ -16,7 +16,7 @@ namespace tessera {
 
 class Track {
  public:
-  struct Place {
+  struct TrackPoint {
     double time = 0;
     Point at;
   };
@@ -29,21 +29,21 @@ class Track {
   // Writes the same format, with enough digits to read the same numbers back.
   std::string to_csv() const;
 
-  // Adds a flight line. REQUIRES: values are finite, times ascend, and the line has no places yet.
-  void add(std::uint32_t line, std::vector<Place> places);
+  // Adds a flight line. REQUIRES: values are finite, times ascend, and the line has no points yet.
+  void add(std::uint32_t line, std::vector<TrackPoint> points);
 
-  // Returns the scanner's position at a time. Between places that are at most `gap_max` apart the path is straight; it
-  // continues for `beyond` before the first place and behind the last. Nothing elsewhere. Where the track does not tell
+  // Returns the scanner's position at a time. Between points that are at most `gap_max` apart the path is straight; it
+  // continues for `beyond` before the first point and behind the last. Nothing elsewhere. Where the track does not tell
   // lines apart, `line` is ignored.
   std::optional<Point> at(std::uint32_t line, double time) const;
   static constexpr double gap_max = 10, beyond = 1;  // seconds
 
   bool empty() const { return lines_.empty(); }
   bool tells_lines() const { return tells_lines_; }
-  const std::map<std::uint32_t, std::vector<Place>>& lines() const { return lines_; }
+  const std::map<std::uint32_t, std::vector<TrackPoint>>& lines() const { return lines_; }
 
  private:
-  std::map<std::uint32_t, std::vector<Place>> lines_;
+  std::map<std::uint32_t, std::vector<TrackPoint>> lines_;
   bool tells_lines_ = true;
 };
 

@@ -68,7 +68,7 @@ std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::
   return beside(memory_bytes, fixed_bytes(threads) + tiles * tile_bytes) / 8 * 7;
 }
 
-std::uint64_t gate_bytes(std::uint64_t memory_bytes) { return memory_bytes / 8; }
+std::uint64_t outbox_bytes(std::uint64_t memory_bytes) { return memory_bytes / 8; }
 
 std::uint64_t mail_bytes_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
   // A sixteenth of the memory, in pieces that are worth a write, but not larger than one write profits from.
@@ -122,14 +122,12 @@ Phases phases(int dimension, KernelKind kernel, TileKind kind, std::uint64_t poi
   const auto add = [&](Phase phase, std::uint64_t bytes) {
     all.bytes.emplace_back(phase, std::min(bytes, memory_bytes));
   };
-  const auto add_step = [&](ProgramStep step, std::uint64_t bytes) {
-    add(phase_of(ProgramKind::delaunay, step), bytes);
-  };
+  const auto add_step = [&](StageStep step, std::uint64_t bytes) { add(phase_of(ProgramKind::delaunay, step), bytes); };
   add(Phase::routing, fixed_bytes(0) + reading_threads(memory_bytes, threads) * reading_thread_bytes +
                           std::min(route_buffer_bytes(memory_bytes), points * (sizeof(LocalPoint) + 8)));
-  add_step(ProgramStep::begin, base + kept + busy * tile * (need.triangulate - (all.whole ? need.whole : need.image)));
-  add_step(ProgramStep::exchange, base + kept);
-  add_step(ProgramStep::store, base + kept + busy * tile * (collect + need.mesh));
+  add_step(StageStep::begin, base + kept + busy * tile * (need.triangulate - (all.whole ? need.whole : need.image)));
+  add_step(StageStep::exchange, base + kept);
+  add_step(StageStep::store, base + kept + busy * tile * (collect + need.mesh));
   return all;
 }
 

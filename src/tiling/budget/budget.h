@@ -77,7 +77,7 @@ Status tile_fits(int dimension, KernelKind kernel, std::uint64_t points, std::ui
                  std::uint64_t memory_bytes);
 
 // Returns how much of a node's memory for its share of a job may hold what waits for other nodes or was sent to them.
-std::uint64_t gate_bytes(std::uint64_t memory_bytes);
+std::uint64_t outbox_bytes(std::uint64_t memory_bytes);
 // tile_working_bytes() returns what a tile of `points` points needs while it is worked on. tile_points_max() returns
 // how many points a tile may have at most on a node with this memory.
 std::uint64_t tile_working_bytes(int dimension, KernelKind kernel, std::uint64_t points);

@@ -91,7 +91,7 @@ std::uint64_t tile_working_bytes(int dimension, KernelKind kernel, std::uint64_t
 }
 
 std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::uint32_t threads, std::uint64_t memory_bytes) {
-  return left_for_tiles(memory_bytes - gate_bytes(memory_bytes), threads, 1) / largest_need(dimension, kernel);
+  return left_for_tiles(memory_bytes - outbox_bytes(memory_bytes), threads, 1) / largest_need(dimension, kernel);
 }
 
 std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::span<const NodeShare> nodes) {
@@ -108,7 +108,7 @@ Status tile_fits_a_node(int dimension, KernelKind kernel, std::uint64_t points, 
   });
   return error(Errc::memory, "a tile of " + std::to_string(points) + " points needs about " +
                                  in_mebibytes(tile_working_bytes(dimension, kernel, points)) +
-                                 " of memory beside what a node needs itself, and no node has it: of " +
+                                 " of memory beside what a node needs itself, and no node has so much: of " +
                                  std::to_string(nodes.size()) + " node " + most->name + " gives a job most, " +
                                  in_mebibytes(most->memory_bytes) + "; ask for smaller tiles, or give nodes more " +
                                  option("memory"));

@@ -73,7 +73,7 @@ class Collector {
       const bool has_own = low - 1 < own_;  // 0, the infinite vertex, becomes the greatest
       if (has_own && high <= own_ && !filled) [[likely]] {
         keep(c, low - 1, 0);
-      } else if (v[0] == CellRow::gap) {
+      } else if (v[0] == CellRecord::gap) {
         least_[c] = gap;
       } else if (!has_own || (filled && in_.fill[c])) {
         least_[c] = has_own ? fill : other;
@@ -180,18 +180,18 @@ class Collector {
     const auto shift = static_cast<std::uint32_t>(in_.cells.size());
     const std::size_t count = finals.cells.rows.size();
     if (count == 0) return;
-    if (shift + count > CellRow::most) throw KernelFull();
-    CellRows& cells = in_.cells;
+    if (shift + count > CellRecord::most) throw KernelFull();
+    CellRecords& cells = in_.cells;
     cells.resize(shift + count);
     for (std::size_t c = 0; c < count; ++c) {
-      CellRow& row = cells[shift + c] = finals.cells.rows[c];
+      CellRecord& row = cells[shift + c] = finals.cells.rows[c];
       for (int i = 0; i < corners; ++i) {
         std::uint32_t& n = row.neighbors[i];
         if (n == FinalCells::open) continue;
         n = n & PendingFinals::written ? across_written(n & ~PendingFinals::written, shift + count) : n + 4 * shift;
       }
     }
-    if (shift + count + written_.size() > CellRow::most) throw KernelFull();
+    if (shift + count + written_.size() > CellRecord::most) throw KernelFull();
     const RowsOfFrozen rows(finals);
     for (std::size_t c = 0; c < shift; ++c) {
       if (least_[c] == gap) continue;
@@ -207,7 +207,7 @@ class Collector {
       }
     }
     for (std::size_t c = 0; c < count; ++c) {
-      CellRow& row = cells[shift + c];
+      CellRecord& row = cells[shift + c];
       for (int i = 0; i < corners; ++i) {
         if (row.neighbors[i] != FinalCells::open) continue;
         const auto border = borders_.find(facet_key(indices(shift + c), i));

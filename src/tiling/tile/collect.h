@@ -18,7 +18,7 @@ struct CollectInput {
   TileId self;
   std::vector<Point> points;         // the tile's own, by rank; n points
   std::vector<PointId> ids;          // by rank
-  CellRows cells;                    // vertices: 0 infinite, 1..n own (rank + 1), n + 1 + k foreign vertex k
+  CellRecords cells;                 // vertices: 0 infinite, 1..n own (rank + 1), n + 1 + k foreign vertex k
   std::vector<std::uint8_t> fill;    // by row: 1 for a fill cell of a reduced tile; or empty
   std::vector<SharedPoint> foreign;  // by k
   PendingFinals finals;              // final cells that were taken out earlier: they border the fill

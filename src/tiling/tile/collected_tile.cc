@@ -12,10 +12,10 @@ SortedCells CollectedTile::sorted() const {
   return {{rows.data(), rows.size()}, order, index, own, mesh_index.data() + 2};
 }
 
-Status CollectedTile::vertices(const Take& take) const {
+Status CollectedTile::vertices(const Consumer& take) const {
   return stream_cells(mesh.dimension, sorted(), copy_vertices, take);
 }
-Status CollectedTile::neighbors(const Take& take) const {
+Status CollectedTile::neighbors(const Consumer& take) const {
   return stream_cells(mesh.dimension, sorted(), copy_neighbors, take);
 }
 
@@ -35,7 +35,7 @@ TileMesh CollectedTile::whole(std::span<const std::int32_t> vertices, std::span<
 }
 
 std::uint64_t CollectedTile::bytes() const {
-  return mesh.bytes() + rows.size() * sizeof(CellRow) +
+  return mesh.bytes() + rows.size() * sizeof(CellRecord) +
          (order.capacity() + index.capacity() + mesh_index.capacity()) * 4;
 }
 

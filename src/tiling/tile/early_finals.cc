@@ -22,9 +22,9 @@ struct Buckets {
 constexpr std::uint32_t border = std::uint32_t{1} << 31;  // in `least`: the cell has a neighbour that is not final
 
 template <int d>
-void look_at(std::span<const CellRow> rows, std::uint32_t* least, Buckets& inner, Buckets& outer) {
+void look_at(std::span<const CellRecord> rows, std::uint32_t* least, Buckets& inner, Buckets& outer) {
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const CellRow& row = rows[r];
+    const CellRecord& row = rows[r];
     std::uint32_t low = row.vertices[0], open = row.neighbors[0] == FinalCells::open;
     for (int i = 1; i <= d; ++i) {
       low = std::min(low, row.vertices[i]);
@@ -41,7 +41,7 @@ EarlyFinals::EarlyFinals(int dimension, std::span<const PointId> ids, FinalCells
                          const std::stop_token& stop)
     : dimension_(dimension), ids_(ids.begin(), ids.end()), cells_(std::move(cells)) {
   throw_if_stopped(stop);
-  const std::span<const CellRow> rows(cells_.rows.data(), cells_.rows.size());
+  const std::span<const CellRecord> rows(cells_.rows.data(), cells_.rows.size());
   order_.resize(rows.size());
   mesh_index_.resize(rows.size() + 2);
   mesh_index_[0] = -2, mesh_index_[1] = -1;
@@ -81,11 +81,11 @@ SortedCells EarlyFinals::sorted(std::size_t first, std::size_t end) const {
           .mesh_index = mesh_index_.data() + 2};
 }
 
-Status EarlyFinals::vertices(const Take& take) const {
+Status EarlyFinals::vertices(const Consumer& take) const {
   return stream_cells(dimension_, sorted(0, early_), copy_vertices, take);
 }
 
-Status EarlyFinals::neighbors(const Take& take) const {
+Status EarlyFinals::neighbors(const Consumer& take) const {
   return stream_cells(dimension_, sorted(0, early_), copy_neighbors, take);
 }
 
@@ -104,7 +104,7 @@ PendingFinals EarlyFinals::left() const {
   for (std::uint32_t k = 0; k < kept.frozen.size(); ++k) kept_row[kept.frozen[k]] = k;
   kept.cells.rows.reserve(kept.frozen.size());
   for (const std::uint32_t number : kept.frozen) {
-    CellRow row = cells_.rows[number];
+    CellRecord row = cells_.rows[number];
     for (int i = 0; i <= dimension_; ++i) {
       std::uint32_t& n = row.neighbors[i];
       if (n == FinalCells::open) continue;

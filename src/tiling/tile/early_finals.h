@@ -30,8 +30,8 @@ class EarlyFinals final : public CellStream {
   std::uint64_t all() const { return cells_.rows.size(); }
   std::uint64_t others() const { return cells_.others; }  // cells of the tile that are not final
   // The early cells, as they will be in the mesh.
-  Status vertices(const Take& take) const override;
-  Status neighbors(const Take& take) const override;
+  Status vertices(const Consumer& take) const override;
+  Status neighbors(const Consumer& take) const override;
   // Returns the final cells that are not early.
   PendingFinals left() const;
 

@@ -21,7 +21,7 @@ FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& 
   };
   for (std::size_t c = 0; c < open.size(); ++c) {
     if (open[c]) continue;
-    CellRow row{};
+    CellRecord row{};
     for (std::size_t i = 0; i < corners; ++i) {
       const std::uint32_t n = list.neighbors[c * corners + i];
       row.vertices[i] = list.vertices[c * corners + i];
@@ -46,9 +46,9 @@ std::size_t RowsOfFrozen::of(std::uint32_t number) const {
 
 bool PendingFinals::sound(int dimension, std::uint64_t own) const {
   const std::size_t count = cells.rows.size();
-  if (count + early > CellRow::most || frozen.size() != mesh_index.size()) return false;
+  if (count + early > CellRecord::most || frozen.size() != mesh_index.size()) return false;
   if (mesh_index.empty() ? early > 0 && count > 0 : mesh_index.size() != count) return false;
-  if (!frozen.empty() && frozen.back() >= CellRow::most) return false;
+  if (!frozen.empty() && frozen.back() >= CellRecord::most) return false;
   if (!std::is_sorted(frozen.begin(), frozen.end(), std::less_equal<>())) return false;
   std::vector<bool> taken(mesh_index.size());
   for (const std::uint32_t p : mesh_index) {

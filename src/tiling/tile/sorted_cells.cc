@@ -115,7 +115,7 @@ class Rows {
   // `see` is called with each foreign vertex, as numbered in the mesh.
   template <class See>
   [[gnu::always_inline]] Turned turned_row(std::uint32_t o, const See& see) const {
-    const CellRow& row = cells_.rows[o & ~mixed_row];
+    const CellRecord& row = cells_.rows[o & ~mixed_row];
     if (!(o & mixed_row)) [[likely]] {
       const Turn turn = turn_of<d>(row.vertices);
       return {turned(load(row.vertices), turn) - 1, turn};
@@ -299,7 +299,7 @@ void copy_neighbors(int dimension, const SortedCells& cells, std::size_t first, 
   }
 }
 
-Status stream_cells(int dimension, const SortedCells& cells, CopyCells copy, const CellStream::Take& take) {
+Status stream_cells(int dimension, const SortedCells& cells, CopyCells copy, const CellStream::Consumer& take) {
   constexpr std::size_t piece_cells = 1024;  // 16 KiB, which stay in the first-level cache until they are taken
   const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
   std::array<std::int32_t, 4 * piece_cells> piece;

@@ -21,7 +21,7 @@ inline constexpr std::uint32_t mixed_row = std::uint32_t{1} << 31;
 // Cells with a vertex of the tile's own, by their least vertex. Vertices in rows: 1..own are the tile's own, and own +
 // 1 + k is foreign vertex k.
 struct SortedCells {
-  std::span<const CellRow> rows;
+  std::span<const CellRecord> rows;
   std::span<const std::uint32_t> order;  // row | mixed_row
   std::span<const std::uint32_t> index;  // by k: the foreign vertex in the mesh, own or more
   std::uint32_t own;                     // number of the tile's own vertices
@@ -49,6 +49,6 @@ void copy_vertices(int dimension, const SortedCells& cells, std::size_t first, s
 void copy_neighbors(int dimension, const SortedCells& cells, std::size_t first, std::size_t count, std::int32_t* to);
 // Streams all cells through `copy`, one of these two functions, piece by piece.
 using CopyCells = void (*)(int, const SortedCells&, std::size_t, std::size_t, std::int32_t*);
-Status stream_cells(int dimension, const SortedCells& cells, CopyCells copy, const CellStream::Take& take);
+Status stream_cells(int dimension, const SortedCells& cells, CopyCells copy, const CellStream::Consumer& take);
 
 }  // namespace tessera

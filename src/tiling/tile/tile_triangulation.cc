@@ -261,7 +261,7 @@ CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<
     if (filled) input.fill.resize(input.cells.size());
     for (std::size_t c = 0; c < input.cells.size(); ++c) {
       Vertex* v = input.cells[c].vertices;
-      if (v[0] == CellRow::gap) continue;
+      if (v[0] == CellRecord::gap) continue;
       if (filled) {
         const bool all_local = std::all_of(v, v + corners, [&](Vertex w) { return is_local(w); });
         input.fill[c] = all_local && !open_cells_.contains(cell_key(v, options_.dimension));
@@ -274,7 +274,7 @@ CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<
   }
   throw_if_stopped(options_.stop);
   CollectedTile tile = collect_cells(std::move(input));
-  counts_.kept = tile.mesh.points.size() - own;
+  counts_.useful = tile.mesh.points.size() - own;
   return tile;
 }
 
@@ -284,7 +284,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
     if (!is_local(v) && kernel_->alive(v)) at[v] = kernel_->point(v);
   }
   const int corners = options_.dimension + 1;
-  const CellRows rows = kernel_->take_cells();
+  const CellRecords rows = kernel_->take_cells();
   const bool filled = reduced_ && !kernel_->can_freeze();
   kernel_.reset();
   RestOfTile rest;
@@ -292,7 +292,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
   std::vector<Vertex> main;
   for (std::size_t c = 0; c < rows.size(); ++c) {
     const Vertex* v = rows[c].vertices;
-    if (v[0] == CellRow::gap || std::find(v, v + corners, infinite_vertex) != v + corners) continue;
+    if (v[0] == CellRecord::gap || std::find(v, v + corners, infinite_vertex) != v + corners) continue;
     const auto own = std::count_if(v, v + corners, [&](Vertex w) { return is_local(w); });
     if (own == 0) continue;
     if (filled && own == corners && !open_cells_.contains(cell_key(v, options_.dimension))) continue;
@@ -318,7 +318,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
   for (Vertex v = 1; v < ids_.size(); ++v) {
     if (used[v] && !is_local(v)) rest.foreign.push_back({at[v], ids_[v], owners_[v], 0});
   }
-  counts_.kept = rest.foreign.size();
+  counts_.useful = rest.foreign.size();
   return rest;
 }
 

@@ -88,7 +88,7 @@ inline void read_block(std::span<const std::byte> bytes) {
   const std::size_t size = size_of(type);
   std::vector<std::byte> values(std::min(rows, store::block_rows) * size), again(values.size());
   const auto room = [&](std::vector<std::byte>& at) {
-    return store::ColumnRoom{type, at.data(), size, at.size() / size};
+    return store::ColumnBuffer{type, at.data(), size, at.size() / size};
   };
   store::ColumnBlocks blocks;
   if (blocks.take(bytes.subspan(3), room(values)) != nullptr) return;

@@ -131,14 +131,14 @@ class CgalKernel final : public Kernel {
     return list;
   }
 
-  CellRows take_cells() override {
-    CellRows rows;
+  CellRecords take_cells() override {
+    CellRecords rows;
     std::uint32_t n = 0;
     Traits::for_each_cell(t_, [&](Cell c) { c->number = n++; });
-    if (n > CellRow::most) throw KernelFull();
+    if (n > CellRecord::most) throw KernelFull();
     rows.resize(n);
     Traits::for_each_cell(t_, [&](Cell c) {
-      CellRow& row = rows[c->number];
+      CellRecord& row = rows[c->number];
       for (int i = 0; i <= d; ++i) {
         const Cell across = c->neighbor(i);
         row.vertices[i] = c->vertex(i)->info();

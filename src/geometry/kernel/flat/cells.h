@@ -15,35 +15,35 @@
 
 namespace tessera::flat {
 
-using Word = std::uint32_t;
+using Index = std::uint32_t;
 
-// A Word that names a neighbour is 4 * cell + facet in both dimensions: the slot of the neighbour, and the facet
+// An Index that names a neighbour is 4 * cell + facet in both dimensions: the slot of the neighbour, and the facet
 // through which the neighbour sees this cell. So the way back needs no search. With `frozen_bit` the neighbour is a
 // cell that freeze() has handed out: see CellList.
-inline constexpr Word frozen_bit = across_frozen;
-inline constexpr Word cells_max = Word{1} << 29;
+inline constexpr Index frozen_bit = across_frozen;
+inline constexpr Index cells_max = Index{1} << 29;
 
 // The answer of a point location.
 struct Located {
-  Word cell = 0;    // a cell in conflict with the point, or a cell with the vertex `same`
+  Index cell = 0;   // a cell in conflict with the point, or a cell with the vertex `same`
   Vertex same = 0;  // the vertex with the coordinates of the point, or 0
 };
 
 // Returns the facet of `to` that is facet i of `from` seen from the other side, or `corners` if the cells have no such
 // facet.
 template <class Cell>
-Word common_facet(const Cell& from, Word i, const Cell& to) {
+Index common_facet(const Cell& from, Index i, const Cell& to) {
   // place[k] is the corner of `from` at which corner k of `to` is found. The one corner of `to` that `from` lacks takes
   // place i. Two cells that share the facet from opposite sides give an odd permutation. If a second corner is missing,
   // two places are equal and the product is 0.
   int place[Cell::corners], parity = 1;
-  Word facet = Cell::corners;
-  for (Word k = 0; k < Cell::corners; ++k) {
-    Word at = i;
-    for (Word j = 0; j < Cell::corners; ++j) at = j != i && from.v[j] == to.v[k] ? j : at;
+  Index facet = Cell::corners;
+  for (Index k = 0; k < Cell::corners; ++k) {
+    Index at = i;
+    for (Index j = 0; j < Cell::corners; ++j) at = j != i && from.v[j] == to.v[k] ? j : at;
     facet = at == i ? k : facet;
     place[k] = static_cast<int>(at);
-    for (Word j = 0; j < k; ++j) parity *= place[k] - place[j];
+    for (Index j = 0; j < k; ++j) parity *= place[k] - place[j];
   }
   return parity < 0 ? facet : Cell::corners;
 }
@@ -52,19 +52,19 @@ Word common_facet(const Cell& from, Word i, const Cell& to) {
 // twice.
 template <class Cell>
 bool put_infinite_last(Cell& cell) {
-  constexpr Word last = Cell::corners - 1;
-  Word i = last;
+  constexpr Index last = Cell::corners - 1;
+  Index i = last;
   int times = 0;
-  for (Word k = 0; k <= last; ++k) {
+  for (Index k = 0; k <= last; ++k) {
     if (cell.v[k] == infinite_vertex) i = k, ++times;
   }
   if (times > 1 || i == last) return times <= 1;
-  const Word other = i == 0 ? 1 : 0;
-  for (Word* words : {cell.v, cell.n}) {
-    const Word moved = words[i];
-    words[i] = words[other];
-    words[other] = words[last];
-    words[last] = moved;
+  const Index other = i == 0 ? 1 : 0;
+  for (Index* indices : {cell.v, cell.n}) {
+    const Index moved = indices[i];
+    indices[i] = indices[other];
+    indices[other] = indices[last];
+    indices[last] = moved;
   }
   return true;
 }

@@ -6,28 +6,28 @@
 namespace tessera::flat2 {
 
 using flat::frozen_bit;
+using flat::Index;
 using flat::Located;
-using flat::Word;
 
-inline constexpr Word vertices_max = flat::cells_max / 2;
+inline constexpr Index vertices_max = flat::cells_max / 2;
 
-inline constexpr Word next_of[3] = {1, 2, 0}, before[3] = {2, 0, 1};
+inline constexpr Index next_of[3] = {1, 2, 0}, before[3] = {2, 0, 1};
 
-enum class State : Word { plain, open, final, dead };  // open, final: marks of one call; dead: a free slot
+enum class State : Index { plain, open, final, dead };  // open, final: marks of one call; dead: a free slot
 
 // A triangle, counterclockwise. Facet i is the edge from v[i + 1] to v[i + 2]. v[0] is never infinite.
 struct alignas(32) Cell {
   static constexpr int dimension = 2;
-  static constexpr Word corners = 3;
+  static constexpr Index corners = 3;
   static constexpr std::uint8_t facet_of[3][2] = {{1, 2}, {2, 0}, {0, 1}};
 
   Vertex v[3];
   State state;
-  Word n[3];
+  Index n[3];
 
   bool infinite() const { return v[1] == infinite_vertex || v[2] == infinite_vertex; }
   void set(const Vertex* vertices) {
-    for (Word i = 0; i < corners; ++i) v[i] = vertices[i];
+    for (Index i = 0; i < corners; ++i) v[i] = vertices[i];
     state = State::plain;
   }
   void free() { state = State::dead; }
@@ -36,7 +36,7 @@ struct alignas(32) Cell {
   bool marked() const { return state == State::open || state == State::final; }
   bool open() const { return state == State::open; }
   void unmark() { state = State::plain; }
-  Vertex vertex(Word i) const { return v[i]; }
+  Vertex vertex(Index i) const { return v[i]; }
 };
 static_assert(sizeof(Cell) == 32);
 

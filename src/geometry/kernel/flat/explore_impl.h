@@ -16,22 +16,22 @@ namespace tessera::flat {
 class Ranks {
  public:
   explicit Ranks(std::size_t slots) : bits_(slots / 64 + 1), before_(bits_.size() + 1) {}
-  void set(Word slot) { bits_[slot / 64] |= std::uint64_t{1} << slot % 64; }
+  void set(Index slot) { bits_[slot / 64] |= std::uint64_t{1} << slot % 64; }
   // Computes the counts. To be called after the last set().
   void count() {
     for (std::size_t w = 0; w < bits_.size(); ++w) before_[w + 1] = before_[w] + ones(bits_[w]);
   }
-  [[gnu::always_inline]] bool operator[](Word slot) const { return (bits_[slot / 64] >> slot % 64 & 1) != 0; }
-  [[gnu::always_inline]] Word before(Word slot) const {
+  [[gnu::always_inline]] bool operator[](Index slot) const { return (bits_[slot / 64] >> slot % 64 & 1) != 0; }
+  [[gnu::always_inline]] Index before(Index slot) const {
     const std::uint64_t lower = bits_[slot / 64] & ((std::uint64_t{1} << slot % 64) - 1);
     return before_[slot / 64] + ones(lower);
   }
-  Word all() const { return before_.back(); }
+  Index all() const { return before_.back(); }
 
  private:
-  [[gnu::always_inline]] static Word ones(std::uint64_t bits) { return static_cast<Word>(std::popcount(bits)); }
+  [[gnu::always_inline]] static Index ones(std::uint64_t bits) { return static_cast<Index>(std::popcount(bits)); }
   std::vector<std::uint64_t> bits_;
-  std::vector<Word> before_;
+  std::vector<Index> before_;
 };
 
 // Runs `work` with the processor's instruction for counting bits if it has one. Without the target attribute the
@@ -65,11 +65,11 @@ void FlatKernel<Mesh>::edges_from(Vertex first, const std::function<void(Vertex,
     seen = key;
     visit(v, w);
   };
-  for (Word slot = 0; slot < mesh_.cells.size(); ++slot) {
+  for (Index slot = 0; slot < mesh_.cells.size(); ++slot) {
     const Cell& c = mesh_.cells[slot];
     if (c.dead() || std::none_of(c.v, c.v + corners, [&](Vertex v) { return v >= first; })) continue;
-    for (Word i = 1; i < corners; ++i) {
-      for (Word k = 0; k < i; ++k) edge(c.v[i], c.v[k]);
+    for (Index i = 1; i < corners; ++i) {
+      for (Index k = 0; k < i; ++k) edge(c.v[i], c.v[k]);
     }
   }
 }
@@ -77,10 +77,10 @@ void FlatKernel<Mesh>::edges_from(Vertex first, const std::function<void(Vertex,
 template <class Mesh>
 CellList FlatKernel<Mesh>::cells() const {
   const Array<Cell>& all = mesh_.cells;
-  const Word slots = static_cast<Word>(all.size());
+  const Index slots = static_cast<Index>(all.size());
   const bool gaps = mesh_.live_cells() < slots;
   Ranks live(gaps ? slots : 0);
-  for (Word slot = 0; slot < slots && gaps; ++slot) {
+  for (Index slot = 0; slot < slots && gaps; ++slot) {
     if (!all[slot].dead()) live.set(slot);
   }
   live.count();
@@ -89,11 +89,11 @@ CellList FlatKernel<Mesh>::cells() const {
   list.neighbors.resize(corners * mesh_.live_cells());
   Vertex* vertex = list.vertices.data();
   std::uint32_t* neighbor = list.neighbors.data();
-  for (Word slot = 0; slot < slots; ++slot) {
+  for (Index slot = 0; slot < slots; ++slot) {
     const Cell& c = all[slot];
     if (c.dead()) continue;
-    for (Word i = 0; i < corners; ++i) {
-      const Word across = c.n[i];
+    for (Index i = 0; i < corners; ++i) {
+      const Index across = c.n[i];
       *vertex++ = c.vertex(i);
       *neighbor++ = across & frozen_bit ? across : gaps ? live.before(across >> 2) : across >> 2;
     }
@@ -102,20 +102,20 @@ CellList FlatKernel<Mesh>::cells() const {
 }
 
 template <class Mesh>
-CellRows FlatKernel<Mesh>::take_cells() {
-  for (const Word slot : mesh_.free_slots()) mesh_.cells[slot].v[0] = CellRow::gap;
+CellRecords FlatKernel<Mesh>::take_cells() {
+  for (const Index slot : mesh_.free_slots()) mesh_.cells[slot].v[0] = CellRecord::gap;
   Array<Cell> all = mesh_.take_cells();
   reset();
-  static_assert(offsetof(Cell, v) == offsetof(CellRow, vertices) && offsetof(Cell, n) == offsetof(CellRow, neighbors) &&
-                cells_max == CellRow::most);
-  return all.template take_as<CellRow>();
+  static_assert(offsetof(Cell, v) == offsetof(CellRecord, vertices) &&
+                offsetof(Cell, n) == offsetof(CellRecord, neighbors) && cells_max == CellRecord::most);
+  return all.template take_as<CellRecord>();
 }
 
 template <class Mesh>
-std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Vertex*)>& is_final) {
+std::vector<Index> FlatKernel<Mesh>::mark_open(const std::function<bool(const Vertex*)>& is_final) {
   Cell* const all = mesh_.cells.data();
-  std::vector<Word> seen;
-  const auto visit = [&](Word slot) {
+  std::vector<Index> seen;
+  const auto visit = [&](Index slot) {
     Cell& c = all[slot];
     if (c.marked()) return;
     std::uint8_t labels = is_local_bit;
@@ -123,17 +123,17 @@ std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Ver
     c.mark(!labels || !is_final(c.v));
     seen.push_back(slot);
   };
-  std::vector<Word> around, first;  // all cells, before one is marked: marks would stop the walk around a vertex
+  std::vector<Index> around, first;  // all cells, before one is marked: marks would stop the walk around a vertex
   for (Vertex v = 0; v <= vertices(); ++v) {
     if (is_local(v) || !alive(v)) continue;
     mesh_.around(v, around);
     first.insert(first.end(), around.begin(), around.end());
   }
-  for (const Word slot : first) visit(slot);
+  for (const Index slot : first) visit(slot);
   for (std::size_t next = 0; next < seen.size(); ++next) {
     const Cell& c = all[seen[next]];
     if (!c.open()) continue;
-    for (const Word across : c.n) {
+    for (const Index across : c.n) {
       if (!(across & frozen_bit)) visit(across >> 2);
     }
   }
@@ -143,7 +143,7 @@ std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Ver
 template <class Mesh>
 std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Vertex*)>& is_final, CellList* all,
                                               std::vector<std::uint8_t>* open) {
-  const std::vector<Word> seen = mark_open(is_final);
+  const std::vector<Index> seen = mark_open(is_final);
   Array<Cell>& cells = mesh_.cells;
   if (all) {
     *all = this->cells();
@@ -153,7 +153,7 @@ std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Ver
     }
   }
   std::vector<Vertex> found;
-  for (const Word slot : seen) {
+  for (const Index slot : seen) {
     Cell& c = cells[slot];
     const bool is_open = c.open();
     c.unmark();
@@ -164,9 +164,9 @@ std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Ver
 
 // Returns which of the cells `seen` are marked as open, and removes all their marks.
 template <class Cell>
-Ranks take_open(const std::vector<Word>& seen, Array<Cell>& cells) {
+Ranks take_open(const std::vector<Index>& seen, Array<Cell>& cells) {
   Ranks open(cells.size());
-  for (const Word slot : seen) {
+  for (const Index slot : seen) {
     if (cells[slot].open()) open.set(slot);
     cells[slot].unmark();
   }
@@ -176,7 +176,7 @@ Ranks take_open(const std::vector<Word>& seen, Array<Cell>& cells) {
 
 // An array of `cells` cells with address space for the cells that foreign points will add.
 template <class Cell>
-Array<Cell> room_for(Word cells) {
+Array<Cell> room_for(Index cells) {
   Array<Cell> room;
   room.reserve(2 * std::size_t{cells} + 64);
   room.resize(cells);
@@ -189,25 +189,25 @@ template <class Mesh>
 FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is_final) {
   check(full() && mesh_.frozen() == 0, "a kernel is frozen once");
   mesh_.compact();
-  const std::vector<Word> seen = mark_open(is_final);
+  const std::vector<Index> seen = mark_open(is_final);
   Array<Cell> old = mesh_.take_cells();
-  const Word n = static_cast<Word>(old.size());
+  const Index n = static_cast<Index>(old.size());
   const Ranks open = take_open(seen, old);
-  const Word frozen = n - open.all();
+  const Index frozen = n - open.all();
   Array<Cell> rest = room_for<Cell>(open.all());
   counting_fast([&]() __attribute__((always_inline)) {
     Cell *final = old.data(), *other = rest.data();
-    for (Word slot = 0; slot < n; ++slot) {
+    for (Index slot = 0; slot < n; ++slot) {
       Cell c = old[slot];
       if (open[slot]) {
-        for (Word& across : c.n) {
-          const Word to = across >> 2, facet = across & 3, rank = open.before(to);
+        for (Index& across : c.n) {
+          const Index to = across >> 2, facet = across & 3, rank = open.before(to);
           across = open[to] ? 4 * rank + facet : frozen_bit | (corners * (to - rank) + facet);
         }
         *other++ = c;
       } else {
-        for (Word& across : c.n) {
-          const Word to = across >> 2;
+        for (Index& across : c.n) {
+          const Index to = across >> 2;
           across = open[to] ? FinalCells::open : 4 * (to - open.before(to)) + (across & 3);
         }
         *final++ = c;
@@ -217,7 +217,7 @@ FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is
   old.resize(frozen);
   old.trim();
   mesh_.adopt(std::move(rest), frozen);
-  return {old.template take_as<CellRow>(), open.all()};
+  return {old.template take_as<CellRecord>(), open.all()};
 }
 
 // Reads final cells once, in the order of the slots, and writes nothing to them. Only the cells that stay are copied
@@ -226,10 +226,10 @@ template <class Mesh>
 std::uint64_t FlatKernel<Mesh>::discard(const std::function<bool(const Vertex*)>& is_final, const TakeVertices& told) {
   check(full() && mesh_.frozen() == 0, "a kernel is frozen once");
   mesh_.release_scratch();
-  const std::vector<Word> seen = mark_open(is_final);
-  const auto gone = static_cast<Word>(mesh_.live_cells());
+  const std::vector<Index> seen = mark_open(is_final);
+  const auto gone = static_cast<Index>(mesh_.live_cells());
   Array<Cell> old = mesh_.take_cells();
-  const Word n = static_cast<Word>(old.size());
+  const Index n = static_cast<Index>(old.size());
   const Ranks open = take_open(seen, old);
   Array<Cell> rest = room_for<Cell>(open.all());
   constexpr std::size_t batch = 4096 * corners;
@@ -237,12 +237,12 @@ std::uint64_t FlatKernel<Mesh>::discard(const std::function<bool(const Vertex*)>
   std::size_t filled = 0;
   counting_fast([&]() __attribute__((always_inline)) {
     Cell* other = rest.data();
-    for (Word slot = 0; slot < n; ++slot) {
+    for (Index slot = 0; slot < n; ++slot) {
       const Cell& c = old[slot];
       if (open[slot]) {
         *other = c;
-        for (Word& across : other->n) {
-          const Word to = across >> 2;
+        for (Index& across : other->n) {
+          const Index to = across >> 2;
           across = open[to] ? 4 * open.before(to) + (across & 3) : frozen_bit;
         }
         ++other;
@@ -257,7 +257,7 @@ std::uint64_t FlatKernel<Mesh>::discard(const std::function<bool(const Vertex*)>
     }
   });
   if (filled > 0) told(std::span(vertices).first(filled));
-  const Word frozen = gone - open.all();
+  const Index frozen = gone - open.all();
   mesh_.adopt(std::move(rest), frozen);
   return frozen;
 }

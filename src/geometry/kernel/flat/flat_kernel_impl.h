@@ -34,7 +34,7 @@ class FlatKernel final : public Kernel {
   void neighbours(Vertex v, std::vector<Vertex>& around) const override;
   void edges_from(Vertex first, const std::function<void(Vertex, Vertex)>& visit) const override;
   CellList cells() const override;
-  CellRows take_cells() override;
+  CellRecords take_cells() override;
   std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& is_final, CellList* all,
                               std::vector<std::uint8_t>* open) override;
   bool can_freeze() const override { return true; }
@@ -46,7 +46,7 @@ class FlatKernel final : public Kernel {
 
  private:
   using Cell = typename Mesh::Cell;
-  static constexpr Word corners = Mesh::corners;
+  static constexpr Index corners = Mesh::corners;
   static constexpr std::uint32_t inserts_a_look = 4096;  // between two looks at `stop`: some 0.01 s
   static constexpr std::uint8_t is_local_bit = 1, alive_bit = 2;
 
@@ -60,7 +60,7 @@ class FlatKernel final : public Kernel {
   Insertion insert_flat(const Point& p, bool local, std::vector<Vertex>& around);
   // Marks cells: as open those that explore() returns, as final those that were asked and are final. Returns the slots
   // of both.
-  std::vector<Word> mark_open(const std::function<bool(const Vertex*)>& is_final);
+  std::vector<Index> mark_open(const std::function<bool(const Vertex*)>& is_final);
 
   Mesh mesh_;
   std::vector<std::uint8_t> labels_;  // by vertex; [0] is the infinite vertex: alive and not local
@@ -95,7 +95,7 @@ Vertex FlatKernel<Mesh>::add(const Point& p, bool local) {
 template <class Mesh>
 void FlatKernel<Mesh>::span() {
   for (Vertex v = 1; v <= vertices() && !full(); ++v) {
-    if (alive(v)) mesh_.span_more(v);
+    if (alive(v)) mesh_.extend_simplex(v);
   }
 }
 
@@ -122,7 +122,7 @@ Insertion FlatKernel<Mesh>::insert_flat(const Point& p, bool local, std::vector<
     around.push_back(v);
   }
   const Vertex v = add(p, local);
-  mesh_.span_more(v);
+  mesh_.extend_simplex(v);
   if (full()) triangulate({});
   return {v, true};
 }
@@ -159,10 +159,10 @@ void FlatKernel<Mesh>::remove(Vertex v) {
 
 template <class Mesh>
 void FlatKernel<Mesh>::star(Vertex v, std::vector<Vertex>& cells) const {
-  std::vector<Word> slots;
+  std::vector<Index> slots;
   mesh_.around(v, slots);
   cells.clear();
-  for (const Word slot : slots) cells.insert(cells.end(), mesh_.cells[slot].v, mesh_.cells[slot].v + corners);
+  for (const Index slot : slots) cells.insert(cells.end(), mesh_.cells[slot].v, mesh_.cells[slot].v + corners);
 }
 
 template <class Mesh>

@@ -11,7 +11,7 @@ namespace tessera::flat {
 template <class Mesh>
 bool in_range(const KernelImage& image, const Mesh& mesh) {
   constexpr int d = Mesh::dimension;
-  constexpr Word corners = Mesh::corners;
+  constexpr Index corners = Mesh::corners;
   const std::size_t n = image.points.size(), m = image.cells.vertices.size() / corners;
   if (n > mesh.points.most() || image.local.size() != n || image.alive.size() != n) return false;
   if (image.cells.vertices.size() != corners * m || image.cells.neighbors.size() != corners * m) return false;
@@ -28,23 +28,23 @@ bool in_range(const KernelImage& image, const Mesh& mesh) {
 // false if the cells cannot be a triangulation.
 template <class Cell>
 bool read_cells(const CellList& list, Array<Cell>& cells) {
-  constexpr Word corners = Cell::corners;
+  constexpr Index corners = Cell::corners;
   const std::size_t m = list.vertices.size() / corners;
   cells.resize(m);
   for (std::size_t c = 0; c < m; ++c) {
     cells[c].set(&list.vertices[corners * c]);
-    for (Word i = 0; i < corners; ++i) cells[c].n[i] = list.neighbors[corners * c + i];
+    for (Index i = 0; i < corners; ++i) cells[c].n[i] = list.neighbors[corners * c + i];
     if (!put_infinite_last(cells[c])) return false;
   }
   std::size_t named = 0, named_back = 0;
-  for (Word c = 0; c < m; ++c) {
-    for (Word i = 0; i < corners; ++i) {
-      Word& across = cells[c].n[i];
+  for (Index c = 0; c < m; ++c) {
+    for (Index i = 0; i < corners; ++i) {
+      Index& across = cells[c].n[i];
       if (across & frozen_bit) continue;
       const Cell& to = cells[across];
       const bool back = across < c;  // then `to` names facets already, and must name this one
-      const Word facet =
-          back ? static_cast<Word>(std::find(to.n, to.n + corners, 4 * c + i) - to.n) : common_facet(cells[c], i, to);
+      const Index facet =
+          back ? static_cast<Index>(std::find(to.n, to.n + corners, 4 * c + i) - to.n) : common_facet(cells[c], i, to);
       if (facet == corners) return false;
       ++(back ? named_back : named);
       across = 4 * across + facet;

@@ -41,7 +41,7 @@ class MeshBase {
  public:
   using Cell = CellType;
   static constexpr int dimension = Cell::dimension;
-  static constexpr Word corners = Cell::corners;
+  static constexpr Index corners = Cell::corners;
   using Corners = std::array<Vertex, corners>;
 
   Points points;
@@ -52,7 +52,7 @@ class MeshBase {
   // The number of vertices of the simplex, less one. -1: no vertex. 0: one. 1: all are collinear so far, and so on.
   int spanned() const { return spanned_; }
   // Adds v to the simplex if the simplex then spans more.
-  void span_more(Vertex v);
+  void extend_simplex(Vertex v);
   bool in_simplex(Vertex v) const;
   // Makes the cells of the simplex. REQUIRES: spanned() == dimension, no cells.
   void start();
@@ -69,19 +69,19 @@ class MeshBase {
   Array<Cell> take_cells();
   // Replaces the cells by `others`, cells of the same vertices. `frozen` is the number of cells that were handed out
   // and are not in `others`.
-  void adopt(Array<Cell> others, Word frozen);
-  Word frozen() const { return frozen_; }
+  void adopt(Array<Cell> others, Index frozen);
+  Index frozen() const { return frozen_; }
   // Moves the last cells into the free slots. No slot is free afterwards. Slot numbers change.
   void compact();
-  Word most_cells() const { return cells_max_; }
+  Index most_cells() const { return cells_max_; }
   std::size_t live_cells() const { return cells.size() - free_.size(); }
-  std::span<const Word> free_slots() const { return free_; }
+  std::span<const Index> free_slots() const { return free_; }
 
  protected:
   MeshBase(const FlatOptions& options, Vertex vertices_max)
       : points(std::min(options.vertices_max, vertices_max)), cells_max_(std::min(options.cells_max, cells_max)) {}
   const Point& corner(std::size_t i) const { return points[simplex_[i]]; }
-  Word new_slot();
+  Index new_slot();
   // before_zone() is called before a zone is collected, and after_zone() afterwards with the number of its cells. An
   // unusually large zone leaves scratch memory of its size. The mesh releases this memory after some zones of usual
   // size. While large zones keep coming the memory stays.
@@ -91,15 +91,16 @@ class MeshBase {
       usual_left_ = usual_zones;
   }
   // Returns a cell around v. REQUIRES: v is alive.
-  Word incident(Vertex v) const;
+  Index incident(Vertex v) const;
   std::size_t base_memory() const;
 
-  Word cells_max_;     // KernelFull is thrown beyond so many cells
+  Index cells_max_;    // KernelFull is thrown beyond so many cells
   Corners simplex_{};  // spanned_ + 1 vertices; points of removed vertices stay known
   int spanned_ = -1;
-  std::vector<Word> free_;  // slots without a cell
-  Word frozen_ = 0;         // the number of frozen cells
-  mutable Word last_ = 0;  // a cell of the last insertion or the last vertex asked for; the next point is probably near
+  std::vector<Index> free_;  // slots without a cell
+  Index frozen_ = 0;         // the number of frozen cells
+  mutable Index last_ =
+      0;  // a cell of the last insertion or the last vertex asked for; the next point is probably near
   static constexpr Vertex none = ~Vertex{0};
   Vertex newest_ = none;                           // the vertex that was inserted last, if nothing has changed since
   static constexpr std::size_t usual_zone = 4096;  // cells; a larger zone is unusual; a zone of uniform points has 21
@@ -107,14 +108,14 @@ class MeshBase {
  private:
   Mesh& self() { return static_cast<Mesh&>(*this); }
   const Mesh& self() const { return static_cast<const Mesh&>(*this); }
-  static constexpr Word usual_zones = 64;
-  Word usual_left_ = 0;  // zones until scratch is released; 0: nothing to release
+  static constexpr Index usual_zones = 64;
+  Index usual_left_ = 0;  // zones until scratch is released; 0: nothing to release
 
   mutable NearbyCells<Cell::dimension> nearby_;  // a sample of the cells
   mutable std::size_t nearby_of_ = 0;            // cells when the sample was made; at twice as many it is made again
 
-  std::vector<Word> nearby(const Point& p) const;
-  Located search(const Point& p, const std::vector<Word>& starts) const;
+  std::vector<Index> nearby(const Point& p) const;
+  Located search(const Point& p, const std::vector<Index>& starts) const;
 };
 
 }  // namespace tessera::flat

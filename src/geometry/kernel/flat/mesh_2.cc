@@ -24,7 +24,7 @@ bool Mesh::spans_more(const Point& p) const {
 bool Mesh::positive(const Corners& v) const { return exact::orientation_2(point(v[0]), point(v[1]), point(v[2])) > 0; }
 
 bool Mesh::conflicts_with_hull(const Point& p, const Cell& t) const {
-  const Word i = t.v[1] == infinite_vertex ? 1 : 2;
+  const Index i = t.v[1] == infinite_vertex ? 1 : 2;
   const Point &a = point(t.v[next_of[i]]), &b = point(t.v[before[i]]);
   if (const int side = exact::orientation_2(a, b, p); side != 0) return side > 0;
   // On the line of a hull edge a point is in conflict strictly between the ends of the edge.
@@ -33,7 +33,7 @@ bool Mesh::conflicts_with_hull(const Point& p, const Cell& t) const {
   return (from < at && at < to) || (to < at && at < from);
 }
 
-bool Mesh::conflicts(const Point& p, Word slot) const {
+bool Mesh::conflicts(const Point& p, Index slot) const {
   const Cell& t = cells[slot];
   if (t.infinite()) [[unlikely]]
     return conflicts_with_hull(p, t);
@@ -43,14 +43,14 @@ bool Mesh::conflicts(const Point& p, Word slot) const {
 // Point location is a visibility walk that starts at the last insertion. The walk ends, because the triangulation is
 // Delaunay (De Floriani, Falcidieno, Nagy, Pienovi 1991). Returns false if frozen triangles block every side that faces
 // p.
-bool Mesh::walk(const Point& p, Word slot, Located& found) const {
+bool Mesh::walk(const Point& p, Index slot, Located& found) const {
   const Cell* const all = cells.data();
   if (all[slot].infinite()) {
-    const Word inside = all[slot].n[all[slot].v[1] == infinite_vertex ? 1 : 2];
+    const Index inside = all[slot].n[all[slot].v[1] == infinite_vertex ? 1 : 2];
     if (inside & frozen_bit) return false;
     slot = inside >> 2;
   }
-  Word from = 0;
+  Index from = 0;
   if (const Cell& t = all[slot]; exact::orientation_2(point(t.v[1]), point(t.v[2]), p) < 0) {
     if (t.n[0] & frozen_bit) return false;
     slot = t.n[0] >> 2;
@@ -92,14 +92,14 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
       }
       return true;
     }
-    const Word next_l = t.n[next_of[from]], next_r = t.n[before[from]];
+    const Index next_l = t.n[next_of[from]], next_r = t.n[before[from]];
     if (((across_l ? next_l : 0) | (across_r ? next_r : 0)) & frozen_bit) [[unlikely]] {
       across_l &= !(next_l & frozen_bit);
       across_r &= !(next_r & frozen_bit);
       if (!(across_l | across_r)) return false;
     }
     // Seen from the next triangle, c begins the edge to l, or ends the edge from r.
-    const Word across = across_l ? next_l : next_r;
+    const Index across = across_l ? next_l : next_r;
     l = across_l ? l : c;
     r = across_l ? c : r;
     slot = across >> 2;
@@ -111,7 +111,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
 // met twice. Going through the tree depth first, counterclockwise, gives the boundary in order. Both edges of a
 // triangle are asked before either answer is used: the processor cannot predict the answers, and so it waits for both
 // at once.
-void Mesh::find_zone(const Point& query, Word start) {
+void Mesh::find_zone(const Point& query, Index start) {
   const Point p = query;
   before_zone();
   const Cell* const all = cells.data();
@@ -119,7 +119,7 @@ void Mesh::find_zone(const Point& query, Word start) {
   if (near_.size() < 64) near_.resize(64), pending_.resize(64), boundary_.resize(64), zone_.resize(64);
   Near* near = near_.data();
   Pending* pending = pending_.data();
-  Word near_size = 0;
+  Index near_size = 0;
   std::size_t size = 0, zone_size = 0, boundary_size = 0;
 
   const auto add_near = [&](Vertex v) {
@@ -131,7 +131,7 @@ void Mesh::find_zone(const Point& query, Word start) {
     c.x = x, c.y = y, c.lift = x * x + y * y;
   };
   // Puts the edge from a to b on the stack, and computes whether the triangle across it is in conflict.
-  const auto ask = [&](Word across, Word a_index, Word b_index) __attribute__((always_inline)) {
+  const auto ask = [&](Index across, Index a_index, Index b_index) __attribute__((always_inline)) {
     Pending& edge = pending[size++];
     edge.across = across, edge.a = a_index, edge.b = b_index, edge.c = near_size;
     if (across & frozen_bit) [[unlikely]] {
@@ -165,12 +165,12 @@ void Mesh::find_zone(const Point& query, Word start) {
   ask(first.n[2], 0, 1);
   while (size > 0) {
     const Pending& edge = pending[--size];
-    const Word across = edge.across, a = edge.a, b = edge.b, c = edge.c;  // read one by one, as they were just stored
+    const Index across = edge.across, a = edge.a, b = edge.b, c = edge.c;  // read one by one, as they were just stored
     if (!edge.in_conflict) {
       boundary_[boundary_size++] = {across, near[a].v};
       continue;
     }
-    const Word slot = across >> 2, i = across & 3;
+    const Index slot = across >> 2, i = across & 3;
     zone_[zone_size++] = slot;
     if (near_size + 4 > near_.size()) [[unlikely]] {  // the size of near_ bounds the sizes of the other arrays
       const std::size_t n = 2 * near_.size();
@@ -192,13 +192,13 @@ void Mesh::fill(Vertex v) {
   zone_[k - 2] = new_slot();
   zone_[k - 1] = new_slot();
   Cell* const all = cells.data();
-  const Word* const slots = zone_.data();
+  const Index* const slots = zone_.data();
   const Edge* const edges = boundary_.data();
-  Word previous = slots[k - 1], slot = slots[0];
+  Index previous = slots[k - 1], slot = slots[0];
   Vertex from = edges[0].from;
   for (std::size_t e = 0; e < k; ++e) {
     const std::size_t after = e + 1 < k ? e + 1 : 0;
-    const Word across = edges[e].across, next = slots[after];
+    const Index across = edges[e].across, next = slots[after];
     const Vertex to = edges[after].from;
     Cell& t = all[slot];
     t.v[0] = v, t.v[1] = from, t.v[2] = to;
@@ -211,15 +211,15 @@ void Mesh::fill(Vertex v) {
   last_ = slots[k - 1];
 }
 
-void Mesh::around(Vertex v, std::vector<Word>& found) const {
+void Mesh::around(Vertex v, std::vector<Index>& found) const {
   found.clear();
-  const Word first = incident(v);
-  Word slot = first;
+  const Index first = incident(v);
+  Index slot = first;
   do {
     const Cell& t = cells[slot];
     found.push_back(slot);
-    const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
-    const Word across = t.n[next_of[i]];
+    const Index i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
+    const Index across = t.n[next_of[i]];
     check_read(!(across & frozen_bit), "a triangle around a vertex is frozen");
     slot = across >> 2;
   } while (slot != first);
@@ -227,13 +227,13 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
 
 // Each triangle around v adds one neighbour: the vertex opposite the edge across which the next triangle lies.
 void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
-  const Word first = incident(v);
-  Word slot = first;
+  const Index first = incident(v);
+  Index slot = first;
   do {
     const Cell& t = cells[slot];
-    const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
+    const Index i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
     if (t.v[next_of[i]] != infinite_vertex) vertices.push_back(t.v[next_of[i]]);
-    const Word across = t.n[next_of[i]];
+    const Index across = t.n[next_of[i]];
     check_read(!(across & frozen_bit), "a triangle around a vertex is frozen");
     slot = across >> 2;
   } while (slot != first);
@@ -251,7 +251,7 @@ void Mesh::zone_into(std::vector<Vertex>& vertices) const {
 }
 
 std::size_t Mesh::memory() const {
-  return base_memory() + zone_.capacity() * sizeof(Word) + boundary_.capacity() * sizeof(Edge) +
+  return base_memory() + zone_.capacity() * sizeof(Index) + boundary_.capacity() * sizeof(Edge) +
          pending_.capacity() * sizeof(Pending) + near_.capacity() * sizeof(Near);
 }
 

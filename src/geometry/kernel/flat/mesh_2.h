@@ -20,16 +20,16 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   Vertex add(const Point& p);
   bool spans_more(const Point& p) const;
   bool positive(const Corners& v) const;
-  bool walk(const Point& p, Word slot, Located& found) const;
-  bool conflicts(const Point& p, Word slot) const;
+  bool walk(const Point& p, Index slot, Located& found) const;
+  bool conflicts(const Point& p, Index slot) const;
   // Lists the zone's boundary in counterclockwise order.
-  void find_zone(const Point& p, Word start);
+  void find_zone(const Point& p, Index start);
   std::size_t zone_size() const { return zone_size_; }
-  Word zone_cell(std::size_t i) const { return zone_[i]; }
+  Index zone_cell(std::size_t i) const { return zone_[i]; }
   void zone_into(std::vector<Vertex>& vertices) const;
   void fill(Vertex v);
   void leave() { last_ = zone_.front(); }
-  void around(Vertex v, std::vector<Word>& found) const;
+  void around(Vertex v, std::vector<Index>& found) const;
   void neighbours_into(Vertex v, std::vector<Vertex>& vertices) const;
   void release_scratch();
   std::size_t memory() const;
@@ -37,7 +37,7 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
  private:
   // An edge of the zone's boundary. It ends where the next edge begins.
   struct Edge {
-    Word across;
+    Index across;
     Vertex from;
   };
   struct Near {  // a vertex of the zone or next to it, with coordinates relative to the new point
@@ -45,15 +45,15 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
     Vertex v;
   };
   struct Pending {  // an edge a to b of the zone so far, and the vertex c beyond; a, b, c are indices in near_
-    Word across;
-    Word a, b, c;
+    Index across;
+    Index a, b, c;
     bool in_conflict;  // whether the triangle beyond is in conflict
   };
   // All points are in one piece: see add().
   const Point& point(Vertex v) const { return points.first()[v]; }
   bool conflicts_with_hull(const Point& p, const Cell& t) const;
 
-  std::vector<Word> zone_;      // [0, zone_size_) are the triangles in conflict
+  std::vector<Index> zone_;     // [0, zone_size_) are the triangles in conflict
   std::vector<Edge> boundary_;  // [0, boundary_size_) are the edges around the zone
   std::size_t zone_size_ = 0, boundary_size_ = 0;
   std::vector<Pending> pending_;  // scratch of find_zone(), like near_

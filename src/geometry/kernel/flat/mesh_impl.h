@@ -23,7 +23,7 @@ void MeshBase<Mesh, Cell>::drop_cells() {
 }
 
 template <class Mesh, class Cell>
-void MeshBase<Mesh, Cell>::span_more(Vertex v) {
+void MeshBase<Mesh, Cell>::extend_simplex(Vertex v) {
   if (self().spans_more(points[v])) simplex_[static_cast<std::size_t>(++spanned_)] = v;
 }
 
@@ -45,16 +45,16 @@ void MeshBase<Mesh, Cell>::start() {
   cells[0].set(simplex_.data());
   // A facet and the inner corner in front of it make a positive cell. So do the facet and the infinite vertex behind
   // it.
-  for (Word i = 0; i < corners; ++i) {
+  for (Index i = 0; i < corners; ++i) {
     Corners outer{};
     for (std::size_t k = 0; k + 1 < corners; ++k) outer[k] = simplex_[Cell::facet_of[i][k]];
     if (dimension % 2 == 0) std::swap(outer[0], outer[1]);
     cells[1 + i].set(outer.data());
   }
-  for (Word c = 0; c <= corners; ++c) {
-    for (Word i = 0; i < corners; ++i) {
-      for (Word d = 0; d <= corners; ++d) {
-        const Word facet = d == c ? corners : common_facet(cells[c], i, cells[d]);
+  for (Index c = 0; c <= corners; ++c) {
+    for (Index i = 0; i < corners; ++i) {
+      for (Index d = 0; d <= corners; ++d) {
+        const Index facet = d == c ? corners : common_facet(cells[c], i, cells[d]);
         if (facet < corners) cells[c].n[i] = 4 * d + facet;
       }
     }
@@ -78,27 +78,27 @@ void MeshBase<Mesh, Cell>::insert(Vertex v) {
 }
 
 template <class Mesh, class Cell>
-Word MeshBase<Mesh, Cell>::new_slot() {
+Index MeshBase<Mesh, Cell>::new_slot() {
   if (!free_.empty()) {
-    const Word slot = free_.back();
+    const Index slot = free_.back();
     free_.pop_back();
     return slot;
   }
   if (cells.size() >= cells_max_) throw KernelFull();
   cells.resize(cells.size() + 1);
-  return static_cast<Word>(cells.size() - 1);
+  return static_cast<Index>(cells.size() - 1);
 }
 
 // Most calls ask for a vertex near the vertex asked before, or near the newest vertex. So last_ is tried first.
 template <class Mesh, class Cell>
-Word MeshBase<Mesh, Cell>::incident(Vertex v) const {
-  const auto has_v = [&](Word slot) {
+Index MeshBase<Mesh, Cell>::incident(Vertex v) const {
+  const auto has_v = [&](Index slot) {
     const Cell& c = cells[slot];
     return !c.dead() && std::find(c.v, c.v + corners, v) != c.v + corners;
   };
   if (has_v(last_)) return last_;
   if (v != infinite_vertex) return last_ = locate(points[v]).cell;
-  Word slot = 0;
+  Index slot = 0;
   while (!has_v(slot)) ++slot;
   return slot;
 }
@@ -109,14 +109,14 @@ Array<Cell> MeshBase<Mesh, Cell>::take_cells() {
 }
 
 template <class Mesh, class Cell>
-void MeshBase<Mesh, Cell>::adopt(Array<Cell> others, Word frozen) {
+void MeshBase<Mesh, Cell>::adopt(Array<Cell> others, Index frozen) {
   cells = std::move(others);
   frozen_ = frozen;
   free_.clear();
   nearby_.clear();
   last_ = 0;
   newest_ = none;
-  for (Word slot = 0; slot < cells.size(); ++slot) {
+  for (Index slot = 0; slot < cells.size(); ++slot) {
     if (cells[slot].dead()) {
       free_.push_back(slot);
     } else {
@@ -132,14 +132,14 @@ void MeshBase<Mesh, Cell>::compact() {
   self().release_scratch();
   std::sort(free_.begin(), free_.end());
   for (std::size_t next = 0, end = free_.size(); next < end;) {
-    const Word last = static_cast<Word>(cells.size() - 1);
+    const Index last = static_cast<Index>(cells.size() - 1);
     if (free_[end - 1] == last) {
       --end;
     } else {
-      const Word slot = free_[next++];
+      const Index slot = free_[next++];
       cells[slot] = cells[last];
-      for (Word i = 0; i < corners; ++i) {
-        const Word across = cells[slot].n[i];
+      for (Index i = 0; i < corners; ++i) {
+        const Index across = cells[slot].n[i];
         if (!(across & frozen_bit)) cells[across >> 2].n[across & 3] = 4 * slot + i;
       }
       if (last_ == last) last_ = slot;
@@ -152,7 +152,7 @@ void MeshBase<Mesh, Cell>::compact() {
 
 template <class Mesh, class Cell>
 std::size_t MeshBase<Mesh, Cell>::base_memory() const {
-  return points.memory() + cells.touched() + free_.capacity() * sizeof(Word) + nearby_.memory();
+  return points.memory() + cells.touched() + free_.capacity() * sizeof(Index) + nearby_.memory();
 }
 
 }  // namespace tessera::flat

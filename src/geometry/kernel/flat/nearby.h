@@ -16,36 +16,36 @@ template <int dimension>
 class NearbyCells {
  public:
   // A cell of the sample, with the coordinates of one of its vertices.
-  struct Place {
+  struct CellSample {
     Point at;
-    Word slot;
+    Index slot;
   };
 
-  void set(std::vector<Place> places) {
-    places_ = std::move(places);
-    order(0, places_.size(), 0);
+  void set(std::vector<CellSample> samples) {
+    samples_ = std::move(samples);
+    order(0, samples_.size(), 0);
   }
-  void clear() { release(places_); }
-  bool empty() const { return places_.empty(); }
-  // The slots of the places nearest to p, the nearest first. At most `count` slots are returned; usable(slot) is true
+  void clear() { release(samples_); }
+  bool empty() const { return samples_.empty(); }
+  // The slots of the samples nearest to p, the nearest first. At most `count` slots are returned; usable(slot) is true
   // for each.
   static constexpr std::size_t count = 8;
   template <class Usable>
-  std::vector<Word> nearest(const Point& p, const Usable& usable) const {
+  std::vector<Index> nearest(const Point& p, const Usable& usable) const {
     Found found;
-    search(p, usable, 0, places_.size(), 0, found);
+    search(p, usable, 0, samples_.size(), 0, found);
     return {found.slots, found.slots + found.size};
   }
-  std::size_t memory() const { return places_.capacity() * sizeof(Place); }
+  std::size_t memory() const { return samples_.capacity() * sizeof(CellSample); }
 
  private:
   struct Found {
     double distances[count];  // ascending
-    Word slots[count];
+    Index slots[count];
     std::size_t size = 0;
 
     double limit() const { return size < count ? std::numeric_limits<double>::infinity() : distances[count - 1]; }
-    void add(double distance, Word slot) {
+    void add(double distance, Index slot) {
       std::size_t i = size < count ? size++ : count - 1;
       for (; i > 0 && distances[i - 1] > distance; --i) distances[i] = distances[i - 1], slots[i] = slots[i - 1];
       distances[i] = distance, slots[i] = slot;
@@ -58,8 +58,8 @@ class NearbyCells {
   void order(std::size_t begin, std::size_t end, int axis) {
     if (end - begin < 2) return;
     const std::size_t middle = begin + (end - begin) / 2;
-    const auto at = [&](std::size_t i) { return places_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(begin), at(middle), at(end), [axis](const Place& a, const Place& b) {
+    const auto at = [&](std::size_t i) { return samples_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [axis](const CellSample& a, const CellSample& b) {
       return coordinate(a.at, axis) < coordinate(b.at, axis);
     });
     const int next = (axis + 1) % dimension;
@@ -71,10 +71,10 @@ class NearbyCells {
   void search(const Point& p, const Usable& usable, std::size_t begin, std::size_t end, int axis, Found& found) const {
     if (begin >= end) return;
     const std::size_t middle = begin + (end - begin) / 2;
-    const Place& place = places_[middle];
-    const double distance = squared_distance<dimension>(p, place.at);
-    if (distance < found.limit() && usable(place.slot)) found.add(distance, place.slot);
-    const double beyond = coordinate(p, axis) - coordinate(place.at, axis);
+    const CellSample& sample = samples_[middle];
+    const double distance = squared_distance<dimension>(p, sample.at);
+    if (distance < found.limit() && usable(sample.slot)) found.add(distance, sample.slot);
+    const double beyond = coordinate(p, axis) - coordinate(sample.at, axis);
     const int next = (axis + 1) % dimension;
     for (const bool near : {true, false}) {
       if (!near && !(beyond * beyond < found.limit())) return;
@@ -86,7 +86,7 @@ class NearbyCells {
     }
   }
 
-  std::vector<Place> places_;
+  std::vector<CellSample> samples_;
 };
 
 }  // namespace tessera::flat

@@ -16,7 +16,7 @@ namespace tessera::flat {
 
 // The vertices of the facet opposite corner i, sorted.
 template <class Cell>
-auto sorted_facet(const Cell& cell, Word i) {
+auto sorted_facet(const Cell& cell, Index i) {
   std::array<Vertex, Cell::dimension> facet;
   for (std::size_t k = 0; k < facet.size(); ++k) facet[k] = cell.vertex(Cell::facet_of[i][k]);
   std::sort(facet.begin(), facet.end());
@@ -25,14 +25,14 @@ auto sorted_facet(const Cell& cell, Word i) {
 
 template <class Mesh, class Cell>
 bool MeshBase<Mesh, Cell>::remove(Vertex v) {
-  std::vector<Word> star;
+  std::vector<Index> star;
   self().around(v, star);
   std::vector<Vertex> near;
-  std::map<std::array<Vertex, dimension>, Word> link;  // the facets opposite v, with the neighbours across
-  for (const Word slot : star) {
+  std::map<std::array<Vertex, dimension>, Index> link;  // the facets opposite v, with the neighbours across
+  for (const Index slot : star) {
     const Cell& c = cells[slot];
     near.insert(near.end(), c.v, c.v + corners);
-    const Word i = static_cast<Word>(std::find(c.v, c.v + corners, v) - c.v);
+    const Index i = static_cast<Index>(std::find(c.v, c.v + corners, v) - c.v);
     check(!(c.n[i] & frozen_bit), "a removed vertex is not joined to a frozen cell");
     link[sorted_facet(c, i)] = c.n[i];
   }
@@ -43,7 +43,7 @@ bool MeshBase<Mesh, Cell>::remove(Vertex v) {
     std::erase_if(near, [&](Vertex w) { return w == v || w == infinite_vertex; });
     small = std::make_unique<Mesh>();
     for (const Vertex w : near) small->add(points[w]);
-    for (Vertex i = 1; i <= near.size() && small->spanned() < dimension; ++i) small->span_more(i);
+    for (Vertex i = 1; i <= near.size() && small->spanned() < dimension; ++i) small->extend_simplex(i);
     return small->spanned() == dimension;
   };
   if (!gather()) {
@@ -60,28 +60,28 @@ bool MeshBase<Mesh, Cell>::remove(Vertex v) {
   small->find_zone(p, small->locate(p).cell);
 
   newest_ = none;
-  for (const Word slot : star) {
+  for (const Index slot : star) {
     cells[slot].free();
     free_.push_back(slot);
   }
-  std::map<Word, Word> slot_of;
+  std::map<Index, Index> slot_of;
   for (std::size_t i = 0; i < small->zone_size(); ++i) slot_of[small->zone_cell(i)] = new_slot();
   for (const auto& [z, slot] : slot_of) {
     const Cell& from = small->cells[z];
     Cell& to = cells[slot];
     Corners names;
-    for (Word i = 0; i < corners; ++i) {
+    for (Index i = 0; i < corners; ++i) {
       const Vertex w = from.vertex(i);
       names[i] = w == infinite_vertex ? w : near[w - 1];
     }
     to.set(names.data());
-    for (Word i = 0; i < corners; ++i) {
+    for (Index i = 0; i < corners; ++i) {
       const auto inside = slot_of.find(from.n[i] >> 2);
       if (inside != slot_of.end()) {
         to.n[i] = 4 * inside->second + (from.n[i] & 3);
         continue;
       }
-      const Word across = link.at(sorted_facet(to, i));
+      const Index across = link.at(sorted_facet(to, i));
       to.n[i] = across;
       cells[across >> 2].n[across & 3] = 4 * slot + i;
     }

@@ -16,7 +16,7 @@ namespace {
 
 using Lanes = double __attribute__((vector_size(32)));
 using Bits = std::int64_t __attribute__((vector_size(32)));
-using Quad = Word __attribute__((vector_size(16)));
+using Quad = Index __attribute__((vector_size(16)));
 
 [[gnu::always_inline]] inline Lanes absolute(Lanes x) {
   const Bits mask = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
@@ -47,7 +47,7 @@ struct Differences {
 struct ZoneCode {
   // Up to four cells that are asked together.
   struct Four {
-    Word facet[4];  // the cells, with the facets through which they were reached; spare lanes repeat the first
+    Index facet[4];  // the cells, with the facets through which they were reached; spare lanes repeat the first
     std::size_t size;
     bool special;  // whether one of the cells is infinite
     Bits in, sure;
@@ -56,7 +56,7 @@ struct ZoneCode {
   // Asks whether e is in the spheres of four cells. The answer for an infinite cell is meaningless.
   template <class At>
   [[gnu::always_inline]] static void ask(Four& four, const Cell* cells, const At& at, const Point& e) {
-    Word v[4][4];
+    Index v[4][4];
     bool special = false;
     for (int i = 0; i < 4; ++i) {
       const Cell& c = cell_at(cells, four.facet[i]);
@@ -88,10 +88,10 @@ struct ZoneCode {
   }
 
   template <bool split, bool holes>
-  [[gnu::always_inline]] static void collect(Mesh& m, const Point& e, Word start) {
+  [[gnu::always_inline]] static void collect(Mesh& m, const Point& e, Index start) {
     Cell* const cells = m.cells.data();
     const Point* const points = m.points.first();
-    const auto at = [&](Word v) -> const Point& {
+    const auto at = [&](Index v) -> const Point& {
       if constexpr (split) return m.points[v];
       return points[v];
     };
@@ -108,8 +108,8 @@ struct ZoneCode {
     // The number of zone cells for which there is room. pending_ needs four entries a zone cell. zone_ may also have
     // grown elsewhere.
     std::size_t room = std::min(m.zone_.size(), m.pending_.size() / 4);
-    Word* zone = m.zone_.data();
-    Word* pending = m.pending_.data();
+    Index* zone = m.zone_.data();
+    Index* pending = m.pending_.data();
     while (true) {
       if (found + 16 > room) {  // one turn adds less
         room *= 2;
@@ -127,7 +127,7 @@ struct ZoneCode {
           }
         }
         for (std::size_t i = 0; i < 4; ++i) {
-          const Word in = static_cast<Word>(four.in[i]);  // all bits or none are set
+          const Index in = static_cast<Index>(four.in[i]);  // all bits or none are set
           zone[found] = four.facet[i];
           found += in & 1;
           cell_at(cells, four.facet[i]).v[0] ^= in & (mark_in | mark_out);
@@ -137,12 +137,12 @@ struct ZoneCode {
         for (std::size_t k = 0; k < count; ++k) {
           const Cell& c = cell_at(cells, zone[expanded++]);
           for (int i = 0; i < 4; ++i) {
-            const Word across = c.n[i];
+            const Index across = c.n[i];
             if constexpr (holes) {
               if (across & frozen_bit) continue;
             }
             Cell& next = cell_at(cells, across);
-            const Word v0 = next.v[0];
+            const Index v0 = next.v[0];
             const bool fresh = v0 <= vertex_mask;
             next.v[0] = fresh ? v0 | mark_out : v0;
             pending[met] = across;
@@ -184,7 +184,7 @@ struct ZoneCode {
   static std::size_t boundary_facets(const Mesh& m, const Cell* cells) {
     std::size_t facets = 0;
     for (std::size_t z = 0; z < m.zone_size_; ++z) {
-      for (const Word across : cell_at(cells, m.zone_[z]).n) {
+      for (const Index across : cell_at(cells, m.zone_[z]).n) {
         facets += (holes && (across & frozen_bit)) || cell_at(cells, across).v[0] >> 31;
       }
     }
@@ -206,7 +206,7 @@ struct ZoneCode {
     if (found + 8 > m.zone_vertices_.size()) m.zone_vertices_.resize(2 * found + 64);
     Vertex* const vertices = m.zone_vertices_.data();
     std::uint8_t* const number = m.number_.data();
-    const Word* const zone = m.zone_.data();
+    const Index* const zone = m.zone_.data();
     std::size_t numbered = 0;
     const auto meet = [&](Vertex v) __attribute__((always_inline)) {
       const std::uint8_t old = number[v];
@@ -226,8 +226,8 @@ struct ZoneCode {
       }
       const Quad id = {number[corner[0]], number[corner[1]], number[corner[2]], number[corner[3]]};
       const auto list = [&]<int i, int... corners>() __attribute__((always_inline)) {
-        const Word across = c.n[i];
-        Word outside;  // every cell next to the zone is marked with one of the two bits
+        const Index across = c.n[i];
+        Index outside;  // every cell next to the zone is marked with one of the two bits
         if constexpr (holes) {
           outside = across & frozen_bit ? 1 : cell_at(cells, across).v[0] >> 31;
         } else {
@@ -249,16 +249,16 @@ struct ZoneCode {
   }
 
   // Continues a walk as long as all signs are certain, and the next cell is finite and not frozen. Four facets are
-  // asked at once, and the next cell is computed without a branch. Step says what the walk starts with.
+  // asked at once, and the next cell is computed without a branch. WalkStep says what the walk starts with.
   template <bool split>
-  [[gnu::always_inline]] static Mesh::Step walk(const Mesh& m, const Point& p, Mesh::Step step) {
+  [[gnu::always_inline]] static Mesh::WalkStep walk(const Mesh& m, const Point& p, Mesh::WalkStep step) {
     const Cell* const cells = m.cells.data();
     const Point* const points = m.points.first();
-    const auto at = [&](Word v) -> const Point& {
+    const auto at = [&](Index v) -> const Point& {
       if constexpr (split) return m.points[v];
       return points[v];
     };
-    Word random = m.turn_;
+    Index random = m.turn_;
     while (true) {
       const Cell& c = cells[step.slot];
       if (c.infinite()) return {step.slot, step.from, true};
@@ -285,25 +285,25 @@ struct ZoneCode {
       Bits flags = (behind & Bits{1, 2, 4, 8}) | (~sure & Bits{16, 32, 64, 128});
       flags |= __builtin_shufflevector(flags, flags, 2, 3, 0, 1);
       flags |= __builtin_shufflevector(flags, flags, 1, 0, 3, 2);
-      const Word seen = static_cast<Word>(flags[0]) & ~(0x11u << step.from);
+      const Index seen = static_cast<Index>(flags[0]) & ~(0x11u << step.from);
       if (seen >> 4) [[unlikely]]
         return step;
       if (seen == 0) return {step.slot, step.from, true};
       // The first facet to try is random, because a fixed order leads around in spirals.
       random = random * 5 + 1;
-      const Word turn = random >> 16 & 3;
-      const Word i = (static_cast<Word>(__builtin_ctz((seen | seen << 4) >> turn)) + turn) & 3;
-      const Word across = c.n[i];
+      const Index turn = random >> 16 & 3;
+      const Index i = (static_cast<Index>(__builtin_ctz((seen | seen << 4) >> turn)) + turn) & 3;
+      const Index across = c.n[i];
       if (across & frozen_bit) [[unlikely]]
         return step;
       step = {across >> 2, across & 3, false};
     }
   }
-  [[gnu::always_inline]] static Mesh::Step choose_walk(const Mesh& m, const Point& p, Mesh::Step step) {
+  [[gnu::always_inline]] static Mesh::WalkStep choose_walk(const Mesh& m, const Point& p, Mesh::WalkStep step) {
     return m.points.in_one_piece() ? walk<false>(m, p, step) : walk<true>(m, p, step);
   }
 
-  [[gnu::always_inline]] static void choose(Mesh& m, const Point& e, Word start) {
+  [[gnu::always_inline]] static void choose(Mesh& m, const Point& e, Index start) {
     if (m.frozen_) {
       collect<true, true>(m, e, start);
     } else if (m.points.in_one_piece()) {
@@ -312,22 +312,26 @@ struct ZoneCode {
       collect<true, false>(m, e, start);
     }
   }
-  static void plain(Mesh& m, const Point& e, Word start) { choose(m, e, start); }
-  static Mesh::Step walk_plain(const Mesh& m, const Point& p, Mesh::Step step) { return choose_walk(m, p, step); }
+  static void plain(Mesh& m, const Point& e, Index start) { choose(m, e, start); }
+  static Mesh::WalkStep walk_plain(const Mesh& m, const Point& p, Mesh::WalkStep step) {
+    return choose_walk(m, p, step);
+  }
 #if defined(__x86_64__)
-  [[gnu::target("avx2")]] static void avx2(Mesh& m, const Point& e, Word start) { choose(m, e, start); }
-  [[gnu::target("avx2")]] static Mesh::Step walk_avx2(const Mesh& m, const Point& p, Mesh::Step step) {
+  [[gnu::target("avx2")]] static void avx2(Mesh& m, const Point& e, Index start) { choose(m, e, start); }
+  [[gnu::target("avx2")]] static Mesh::WalkStep walk_avx2(const Mesh& m, const Point& p, Mesh::WalkStep step) {
     return choose_walk(m, p, step);
   }
   static bool has_avx2() { return __builtin_cpu_supports("avx2"); }
 #else
-  static void avx2(Mesh& m, const Point& e, Word start) { choose(m, e, start); }
-  static Mesh::Step walk_avx2(const Mesh& m, const Point& p, Mesh::Step step) { return choose_walk(m, p, step); }
+  static void avx2(Mesh& m, const Point& e, Index start) { choose(m, e, start); }
+  static Mesh::WalkStep walk_avx2(const Mesh& m, const Point& p, Mesh::WalkStep step) {
+    return choose_walk(m, p, step);
+  }
   static bool has_avx2() { return false; }
 #endif
 };
 
-void Mesh::find_zone(const Point& p, Word start) {
+void Mesh::find_zone(const Point& p, Index start) {
   newest_ = none;
   before_zone();
   reserve_numbers();
@@ -339,7 +343,7 @@ void Mesh::find_zone(const Point& p, Word start) {
   after_zone(zone_size_);
 }
 
-Mesh::Step Mesh::walk_surely(const Point& p, Step step) const {
+Mesh::WalkStep Mesh::walk_surely(const Point& p, WalkStep step) const {
   return vectors_ ? ZoneCode::walk_avx2(*this, p, step) : ZoneCode::walk_plain(*this, p, step);
 }
 

@@ -148,11 +148,11 @@ Staged with_differences(const PointSet<P>& points, const std::array<int, D>& axe
     all_exact &= tail(a, b, difference[i]) == 0;
   }
   if (all_exact) {
-    if (on_lattice(difference, lattice_bits)) return {sign_of(sign(difference, WholeLift{})), Stage::lattice};
+    if (on_lattice(difference, lattice_bits)) return {sign_of(sign(difference, WholeLift{})), PredicateStage::lattice};
     if (const BitRange range(difference); range.bits() <= 62) {
       std::array<Integer<1>, n> scaled;
       for (std::size_t i = 0; i < n; ++i) scale(difference[i], range.low, scaled[i]);
-      return {sign_of(sign(scaled, WholeLift{})), Stage::integer};
+      return {sign_of(sign(scaled, WholeLift{})), PredicateStage::integer};
     }
   }
   std::array<double, P * D> coordinate;
@@ -165,10 +165,11 @@ Staged with_differences(const PointSet<P>& points, const std::array<int, D>& axe
     for (std::size_t i = 0; i < n; ++i) exact[i] = scaled[i] - scaled[n + i % D];
     return sign_of(sign(exact, WholeLift{}));
   };
-  if (range.bits() <= 125) return {with(Integer<2>{}), Stage::wide};
-  if (const int certain = any_exponent_sign<columns>(points, axes); certain != 0) return {certain, Stage::any_exponent};
-  if (const auto found = per_axis_sign<columns, P, D>(coordinate, sign)) return {*found, Stage::axes};
-  return {with(Big{}), Stage::big};
+  if (range.bits() <= 125) return {with(Integer<2>{}), PredicateStage::wide};
+  if (const int certain = any_exponent_sign<columns>(points, axes); certain != 0)
+    return {certain, PredicateStage::any_exponent};
+  if (const auto found = per_axis_sign<columns, P, D>(coordinate, sign)) return {*found, PredicateStage::axes};
+  return {with(Big{}), PredicateStage::big};
 }
 
 template <class T>
@@ -210,7 +211,7 @@ Staged orientation_2_exact(const Point& a, const Point& b, const Point& c) {
 }
 
 Staged orientation_3_exact(const Point& a, const Point& b, const Point& c, const Point& d) {
-  if (axis_parallel<4>({&a, &b, &c, &d})) return {0, Stage::lattice};
+  if (axis_parallel<4>({&a, &b, &c, &d})) return {0, PredicateStage::lattice};
   // The rows are b, a, c, because differences to the last point instead of the first reverse the sign.
   return with_differences<3, volume_bits>(PointSet<4>{&b, &a, &c, &d}, xyz, [](const auto& v, const auto&) {
     return determinant(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]);
@@ -224,7 +225,7 @@ Staged in_circle_2_exact(const Point& a, const Point& b, const Point& c, const P
 }
 
 Staged in_sphere_3_exact(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
-  if (axis_parallel<5>({&a, &b, &c, &d, &e})) return {0, Stage::lattice};
+  if (axis_parallel<5>({&a, &b, &c, &d, &e})) return {0, PredicateStage::lattice};
   return with_differences<3, sphere_bits>(PointSet<5>{&a, &b, &c, &d, &e}, xyz, [](const auto& v, const auto& lift) {
     const auto ab = minor(v[0], v[1], v[3], v[4]), bc = minor(v[3], v[4], v[6], v[7]);
     const auto cd = minor(v[6], v[7], v[9], v[10]), da = minor(v[9], v[10], v[0], v[1]);

@@ -26,11 +26,11 @@
 
 namespace tessera::exact {
 
-enum class Stage : std::uint8_t { filter, lattice, integer, wide, any_exponent, axes, big };
+enum class PredicateStage : std::uint8_t { filter, lattice, integer, wide, any_exponent, axes, big };
 // A sign with the stage that decided it, for tests and benchmarks.
 struct Staged {
   int sign = 0;
-  Stage stage = Stage::filter;
+  PredicateStage stage = PredicateStage::filter;
 };
 
 // The stages after the filter.
@@ -114,19 +114,19 @@ inline int in_sphere_3(const Point& a, const Point& b, const Point& c, const Poi
 // Each predicate below, with the stage that decided.
 inline Staged orientation_2_staged(const Point& a, const Point& b, const Point& c) {
   const int sign = filter::orientation_2(a, b, c);
-  return sign != 0 ? Staged{sign, Stage::filter} : orientation_2_exact(a, b, c);
+  return sign != 0 ? Staged{sign, PredicateStage::filter} : orientation_2_exact(a, b, c);
 }
 inline Staged orientation_3_staged(const Point& a, const Point& b, const Point& c, const Point& d) {
   const int sign = filter::orientation_3(a, b, c, d);
-  return sign != 0 ? Staged{sign, Stage::filter} : orientation_3_exact(a, b, c, d);
+  return sign != 0 ? Staged{sign, PredicateStage::filter} : orientation_3_exact(a, b, c, d);
 }
 inline Staged in_circle_2_staged(const Point& a, const Point& b, const Point& c, const Point& d) {
   const int sign = filter::in_circle_2(a, b, c, d);
-  return sign != 0 ? Staged{sign, Stage::filter} : in_circle_2_exact(a, b, c, d);
+  return sign != 0 ? Staged{sign, PredicateStage::filter} : in_circle_2_exact(a, b, c, d);
 }
 inline Staged in_sphere_3_staged(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
   const int sign = filter::in_sphere_3(a, b, c, d, e);
-  return sign != 0 ? Staged{sign, Stage::filter} : in_sphere_3_exact(a, b, c, d, e);
+  return sign != 0 ? Staged{sign, PredicateStage::filter} : in_sphere_3_exact(a, b, c, d, e);
 }
 
 // The sign of the area of (a, b, c): positive when counterclockwise. Equals CGAL::orientation.

@@ -1,4 +1,4 @@
-#include "src/exchange/mail.h"
+#include "src/exchange/inbox.h"
 
 #include <string>
 #include <utility>
@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-Status Mail::add(Update update, TileStorage& storage) {
+Status Inbox::add(Update update, TileStorage& storage) {
   ++updates_;
   bytes_ += update.message.size();
   held_bytes_ += update.message.size();
@@ -15,7 +15,7 @@ Status Mail::add(Update update, TileStorage& storage) {
   return held_bytes_ > bytes_max_ ? spill(storage) : success();
 }
 
-Status Mail::spill(TileStorage& storage) {
+Status Inbox::spill(TileStorage& storage) {
   FlatWriter out;
   out.reserve(held_bytes_ + held_.size() * 40);
   for (const Update& update : held_) put(out, update);
@@ -24,14 +24,14 @@ Status Mail::spill(TileStorage& storage) {
   return storage.append(tile_, ScratchKind::mail, out.take());
 }
 
-Status Mail::clear(TileStorage& storage) {
+Status Inbox::clear(TileStorage& storage) {
   const bool spilled = held_.size() < updates_;
   std::vector<Update>().swap(held_);
   held_bytes_ = updates_ = bytes_ = 0;
   return spilled ? storage.remove(tile_, ScratchKind::mail) : success();
 }
 
-Result<std::vector<Update>> Mail::take(TileStorage& storage) {
+Result<std::vector<Update>> Inbox::take(TileStorage& storage) {
   std::vector<Update> all;
   if (held_.size() < updates_) {
     BOOST_OUTCOME_TRY(pieces, storage.read(tile_, ScratchKind::mail));
@@ -49,7 +49,7 @@ Result<std::vector<Update>> Mail::take(TileStorage& storage) {
     }
     if (bytes != bytes_ || all.size() + held_.size() != updates_) {
       return error(Errc::corrupt,
-                   "tile " + std::to_string(tile_.value) + ": its mail on disk is not what was put there");
+                   "tile " + std::to_string(tile_.value) + ": the updates that wait for it on disk are damaged");
     }
     BOOST_OUTCOME_TRYV(storage.remove(tile_, ScratchKind::mail));
   }

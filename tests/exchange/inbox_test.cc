@@ -1,4 +1,4 @@
-#include "src/exchange/mail.h"
+#include "src/exchange/inbox.h"
 
 #include <gtest/gtest.h>
 
@@ -35,14 +35,14 @@ Update update(std::uint32_t from, std::size_t bytes) {
           BigVector<std::byte>(bytes, std::byte(from + 1))};
 }
 
-TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
+TEST(Inbox, ComesBackAsItWasPutOnScratchOrNot) {
   for (const std::uint64_t bytes_max : {0u, 4u, 100u}) {
     Scratch scratch;
-    Mail mail(TileId{9}, bytes_max);
-    for (const std::uint32_t from : {0u, 1u, 2u, 3u}) ASSERT_TRUE(mail.add(update(from, from), scratch));
-    EXPECT_EQ(mail.updates(), 4u);
-    EXPECT_EQ(mail.bytes(), 6u);
-    const auto taken = mail.take(scratch);
+    Inbox inbox(TileId{9}, bytes_max);
+    for (const std::uint32_t from : {0u, 1u, 2u, 3u}) ASSERT_TRUE(inbox.add(update(from, from), scratch));
+    EXPECT_EQ(inbox.updates(), 4u);
+    EXPECT_EQ(inbox.bytes(), 6u);
+    const auto taken = inbox.take(scratch);
     ASSERT_TRUE(taken);
     ASSERT_EQ(taken.value().size(), 4u);
     for (std::uint32_t from = 0; from < 4; ++from) {
@@ -53,29 +53,29 @@ TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
       EXPECT_EQ(b.hops, from + 7);
       EXPECT_EQ(b.message, update(from, from).message);
     }
-    EXPECT_EQ(mail.updates(), 0u);
+    EXPECT_EQ(inbox.updates(), 0u);
     EXPECT_TRUE(scratch.pieces.empty());
-    EXPECT_TRUE(mail.take(scratch).value().empty());
+    EXPECT_TRUE(inbox.take(scratch).value().empty());
   }
 }
 
-TEST(Mail, HoldsNoMoreBytesInMemoryThanItMay) {
+TEST(Inbox, HoldsNoMoreBytesInMemoryThanItMay) {
   Scratch scratch;
-  Mail mail(TileId{9}, 100);
+  Inbox inbox(TileId{9}, 100);
   for (int i = 0; i < 1000; ++i) {
-    ASSERT_TRUE(mail.add(update(1, 30), scratch));
-    EXPECT_LE(mail.memory(), 130 + 16 * sizeof(Update));
+    ASSERT_TRUE(inbox.add(update(1, 30), scratch));
+    EXPECT_LE(inbox.memory(), 130 + 16 * sizeof(Update));
   }
-  EXPECT_EQ(mail.bytes(), 30'000u);
-  EXPECT_EQ(mail.take(scratch).value().size(), 1000u);
+  EXPECT_EQ(inbox.bytes(), 30'000u);
+  EXPECT_EQ(inbox.take(scratch).value().size(), 1000u);
 }
 
-TEST(Mail, WhatIsMissingOnScratchIsNoticed) {
+TEST(Inbox, WhatIsMissingOnScratchIsNoticed) {
   Scratch scratch;
-  Mail mail(TileId{9}, 0);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(mail.add(update(1, 5), scratch));
+  Inbox inbox(TileId{9}, 0);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(inbox.add(update(1, 5), scratch));
   scratch.pieces.pop_back();
-  const auto taken = mail.take(scratch);
+  const auto taken = inbox.take(scratch);
   ASSERT_FALSE(taken);
   EXPECT_EQ(taken.error().code, Errc::corrupt);
 }

@@ -19,10 +19,10 @@
 namespace tessera::surface {
 
 // Thread-safe, but a tile may be used by one thread at a time.
-class Shelf {
+class WorkingTiles {
  public:
   // `folder`: for tiles that do not fit into `memory_bytes`.
-  Shelf(TileSource source, std::filesystem::path folder, std::uint64_t memory_bytes)
+  WorkingTiles(TileSource source, std::filesystem::path folder, std::uint64_t memory_bytes)
       : source_(std::move(source)),
         folder_(std::move(folder)),
         memory_bytes_(memory_bytes),

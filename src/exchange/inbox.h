@@ -10,10 +10,10 @@
 
 namespace tessera {
 
-class Mail {
+class Inbox {
  public:
   // Holds at most `bytes_max` bytes of messages in memory, and the update that was added last.
-  Mail(TileId tile, std::uint64_t bytes_max) : tile_(tile), bytes_max_(bytes_max) {}
+  Inbox(TileId tile, std::uint64_t bytes_max) : tile_(tile), bytes_max_(bytes_max) {}
 
   Status add(Update update, TileStorage& storage);
   // Returns all updates that wait, those on scratch first. Nothing waits afterwards. Error corrupt when what is on

@@ -15,7 +15,7 @@ namespace tessera {
 using IdSet = std::array<PointId, 4>;
 inline constexpr PointId padding_id{~std::uint64_t{0}};
 
-struct Place {
+struct CellRef {
   TileId tile;
   std::uint32_t cell = 0;  // index in the tile file
 };
@@ -28,7 +28,7 @@ inline std::string text_of(const IdSet& ids) {
 }
 
 // Makes an error not_delaunay: "out/tiles/000007.vtu: cell 12 (vertices 1 5 8 9) is not positively oriented".
-inline Error wrong_cell(const TileSource& source, const Place& place, const IdSet& ids, const std::string& reason) {
+inline Error wrong_cell(const TileSource& source, const CellRef& place, const IdSet& ids, const std::string& reason) {
   return error(Errc::not_delaunay, source.file(place.tile).string() + ": cell " + std::to_string(place.cell) +
                                        " (vertices " + text_of(ids) + ") " + reason);
 }

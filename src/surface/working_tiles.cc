@@ -1,4 +1,4 @@
-#include "src/surface/shelf.h"
+#include "src/surface/working_tiles.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,14 +8,14 @@
 
 namespace tessera::surface {
 
-Result<std::unique_ptr<SurfaceTile>> Shelf::from_result(std::size_t index) const {
+Result<std::unique_ptr<SurfaceTile>> WorkingTiles::from_result(std::size_t index) const {
   BOOST_OUTCOME_TRY(stored, source_.read(index, {.rows = !source_.manifest().schema.empty()}));
   BOOST_OUTCOME_TRY(tile,
                     SurfaceTile::make(source_.entry(index).tile, source_.file(index).string(), std::move(stored)));
   return std::make_unique<SurfaceTile>(std::move(tile));
 }
 
-Result<std::unique_ptr<SurfaceTile>> Shelf::take(std::size_t index) {
+Result<std::unique_ptr<SurfaceTile>> WorkingTiles::take(std::size_t index) {
   {
     std::unique_lock lock(mutex_);
     written_.wait(lock, [&] { return on_disk_[index] != OnDisk::soon; });
@@ -36,7 +36,7 @@ Result<std::unique_ptr<SurfaceTile>> Shelf::take(std::size_t index) {
   return std::make_unique<SurfaceTile>(std::move(tile));
 }
 
-Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
+Status WorkingTiles::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
   Leaving leaving;
   {
     const std::lock_guard lock(mutex_);
@@ -48,7 +48,7 @@ Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
   return put_down(std::move(leaving));
 }
 
-Shelf::Leaving Shelf::too_much() {
+WorkingTiles::Leaving WorkingTiles::too_much() {
   Leaving leaving;
   while (held_ > memory_bytes_) {
     // Passes go through the tiles in one order, so the tile used last is needed last.
@@ -63,7 +63,7 @@ Shelf::Leaving Shelf::too_much() {
   return leaving;
 }
 
-Status Shelf::put_down(Leaving leaving) {
+Status WorkingTiles::put_down(Leaving leaving) {
   Status all = success();
   for (auto& [number, one] : leaving) {
     Status saved = put_down(number, *one);
@@ -76,7 +76,7 @@ Status Shelf::put_down(Leaving leaving) {
   return all;
 }
 
-Status Shelf::put_down(std::size_t index, const SurfaceTile& tile) const {
+Status WorkingTiles::put_down(std::size_t index, const SurfaceTile& tile) const {
   BOOST_OUTCOME_TRY(cells, is_there(cells_path(index)));
   return cells ? Status(success()) : tile.save_cells(cells_path(index));
 }

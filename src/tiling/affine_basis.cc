@@ -1,10 +1,10 @@
-#include "src/tiling/span_finder.h"
+#include "src/tiling/affine_basis.h"
 
 #include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera {
 
-void SpanFinder::add(std::span<const LocalPoint> points) {
+void AffineBasis::add(std::span<const LocalPoint> points) {
   if (points.empty()) return;
   if (span_.empty()) {
     span_.push_back(points[0]);
@@ -18,23 +18,23 @@ void SpanFinder::add(std::span<const LocalPoint> points) {
   }
 }
 
-void SpanFinder::add(const SpanFinder& next, std::uint64_t first_id) {
+void AffineBasis::add(const AffineBasis& next, std::uint64_t first_id) {
   std::vector<LocalPoint> points = next.span_;
   if (!points.empty()) points.push_back(next.least_);
   for (LocalPoint& p : points) p.id.value += first_id;
   add(points);
 }
 
-void SpanFinder::write(FlatWriter& to) const {
+void AffineBasis::write(FlatWriter& to) const {
   to.list(span_);
   to.value(least_);
 }
 
-bool SpanFinder::read(FlatReader& from) {
+bool AffineBasis::read(FlatReader& from) {
   return from.list(span_) && span_.size() <= static_cast<std::size_t>(dimension_) + 1 && from.value(least_);
 }
 
-bool SpanFinder::extends(const Point& p) const {
+bool AffineBasis::extends(const Point& p) const {
   // A shortcut: points that agree with the whole span on enough axes lie in its affine hull. The exact predicates would
   // say the same at a hundred times the cost. So a flat raster of 10^8 points is refused in seconds.
   int agree = 0;

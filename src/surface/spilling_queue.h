@@ -21,12 +21,12 @@ namespace tessera::surface {
 
 // A queue of records for each tile. Thread-safe.
 template <class Record>
-class Post {
+class SpillingQueue {
   static_assert(std::is_trivially_copyable_v<Record>);
 
  public:
   // `folder`: used by this object alone. `memory_bytes`: records beyond that wait in the folder.
-  Post(std::filesystem::path folder, std::size_t tiles, std::uint64_t memory_bytes)
+  SpillingQueue(std::filesystem::path folder, std::size_t tiles, std::uint64_t memory_bytes)
       : folder_(std::move(folder)), boxes_(tiles), memory_records_(memory_bytes / sizeof(Record)) {}
 
   Status send(std::size_t to, std::span<const Record> records) {
@@ -85,20 +85,20 @@ class Post {
 
 // Collects records by tile before they are sent. Not thread-safe.
 template <class Record>
-class Outgoing {
+class SendBuffer {
  public:
-  Outgoing(Post<Record>& post, std::size_t tiles) : post_(post), records_(tiles) {}
+  SendBuffer(SpillingQueue<Record>& queue, std::size_t tiles) : queue_(queue), records_(tiles) {}
   Status add(std::size_t to, const Record& record) {
     auto& records = records_[to];
     records.push_back(record);
     if (records.size() < most) return success();
-    BOOST_OUTCOME_TRYV(post_.send(to, records));
+    BOOST_OUTCOME_TRYV(queue_.send(to, records));
     records.clear();
     return success();
   }
   Status send() {
     for (std::size_t to = 0; to < records_.size(); ++to) {
-      BOOST_OUTCOME_TRYV(post_.send(to, records_[to]));
+      BOOST_OUTCOME_TRYV(queue_.send(to, records_[to]));
       records_[to].clear();
     }
     return success();
@@ -106,7 +106,7 @@ class Outgoing {
 
  private:
   static constexpr std::size_t most = 4096;
-  Post<Record>& post_;
+  SpillingQueue<Record>& queue_;
   std::vector<std::vector<Record>> records_;
 };
 

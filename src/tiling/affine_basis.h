@@ -15,15 +15,15 @@ namespace tessera {
 // Points arrive by ascending id. No equal point came before a point that extends the span, so its id is the lowest with
 // these coordinates. The same holds for the least point. The tests are exact. Once the span is complete a point costs
 // one comparison.
-class SpanFinder {
+class AffineBasis {
  public:
-  explicit SpanFinder(int dimension) : dimension_(dimension) {}
+  explicit AffineBasis(int dimension) : dimension_(dimension) {}
 
   void add(std::span<const LocalPoint> points);
   // Adds the points that follow, as another finder has seen them; `first_id` is to be added to their ids. The kept
   // points of `next` are enough: the first following points that extend the span of this finder also extended the span
   // of `next`.
-  void add(const SpanFinder& next, std::uint64_t first_id);
+  void add(const AffineBasis& next, std::uint64_t first_id);
   void write(FlatWriter& to) const;
   // Returns false when the bytes are not what write() makes.
   bool read(FlatReader& from);
