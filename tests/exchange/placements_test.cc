@@ -70,8 +70,8 @@ TEST_F(SixTiles, AreAskedForWhenANodeComes) {
   EXPECT_EQ(requests[0].weight, 1u) << "each of three nodes is to have two tiles of six";
   EXPECT_EQ(requests[1].node, NodeId{1});
   EXPECT_TRUE(placements.awaits());
-  EXPECT_TRUE(placements.answer(NodeId{0}, ids({2})));
-  EXPECT_TRUE(placements.answer(NodeId{1}, {}));
+  EXPECT_TRUE(placements.take_answer(NodeId{0}, ids({2})));
+  EXPECT_TRUE(placements.take_answer(NodeId{1}, {}));
   EXPECT_FALSE(placements.awaits());
 }
 

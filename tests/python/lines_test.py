@@ -147,7 +147,7 @@ class Lines(unittest.TestCase):
         self.assertEqual(out.read_text(), "mine")
         t.profile(self.line, out, overwrite=True)
         self.assertTrue(out.read_text().startswith("distance,x,y,z,part\n"))
-        refused("^hillshade=True: its pixels are bytes, whatever doubles", t.dem, self.folder / "a.tif", res=1, hillshade=True, doubles=True)
+        refused("^hillshade=True: a shaded raster has pixels of bytes, so doubles cannot be given with it", t.dem, self.folder / "a.tif", res=1, hillshade=True, doubles=True)
         refused("^azimuth and altitude are for a hillshade", t.dem, self.folder / "a.tif", res=1, azimuth=3)
         refused("^altitude", t.dem, self.folder / "a.tif", res=1, hillshade=True, altitude=91)
         solid = tessera.triangulate(np.random.default_rng(1).random((50, 3)))
