@@ -12,8 +12,9 @@ usage() {
 ./tessera.sh all              everything, some 20 minutes: also the libraries, the Python package, tests and benchmarks
 ./tessera.sh demo             triangulate the bundled IGN block, verify it, make its surface, draw both: demo-out/surface.png
 ./tessera.sh serve [ARGS]     a daemon with the bundled block, on the loopback; its data: serve-data/ (ARGS go to tesserad)
-./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay); the last line says what was skipped, and why
-./tessera.sh nightly          the engine against CGAL: every set x partition x tiles x threads (many hours)
+./tessera.sh test [ARGS]      build and run the tests but for the long ones of tests/nightly_tests.txt; with ARGS for ctest,
+                              those that ARGS choose (-R splay); the last line says what was skipped, and why
+./tessera.sh nightly          the long tests; and the engine against CGAL: every set x partition x tiles x threads (many hours)
 ./tessera.sh tidy             clang-tidy over the sources
 ./tessera.sh format           clang-format over the sources
 ./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang
@@ -59,10 +60,14 @@ tidy() {
     xargs -P "$jobs" -n 4 clang-tidy -p $build_folder --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option
 }
 
+# A regular expression for the names of the tests that take too long for every change.
+nightly_tests() { grep -v '^#' tests/nightly_tests.txt | paste -sd '|'; }
+
 # Its last line tells what was skipped.
 run_tests() {
   deploy/install-deps.sh
   build all
+  (($# > 0)) || set -- -E "$(nightly_tests)"
   local status=0
   ctest --test-dir $build_folder --output-on-failure -j $((jobs + 1)) "$@" || status=$?
   scripts/skipped_tests.py $build_folder/Testing/Temporary/LastTest.log
@@ -70,6 +75,7 @@ run_tests() {
 }
 
 nightly() {
+  run_tests -R "$(nightly_tests)"
   build engine_product
   cmake --build $build_folder --target nightly
   # Each source includes what it uses, also where no header is precompiled.

@@ -9,7 +9,7 @@
 #include "src/service/questions/questions_backend.h"
 #include "src/service/results/results_backend.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The objects must outlive whoever holds this.
 struct Backend {
@@ -22,4 +22,4 @@ struct Backend {
   HealthBackend& health;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -72,4 +72,4 @@ Status check_beneath() {
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 enum class Links : bool { refused, followed_beneath };
 
@@ -32,4 +32,4 @@ std::filesystem::path path_of(const FileHandle& file);
 // Error io when this kernel lacks openat2.
 Status check_beneath();
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <string>
 
-namespace tessera {
+namespace tessera::service {
 
 // What a caller may do. Each role includes the ones before.
 enum class Role : std::uint8_t { none, read, submit, admin };
@@ -16,4 +16,4 @@ struct Caller {
   std::stop_token stop = {};  // stopped when the caller has gone or has waited too long
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -10,11 +10,11 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/mixed_bits.h"
 #include "src/exchange/terms.h"
-#include "src/service/processes/costs.h"
 #include "src/service/data_format.h"
+#include "src/service/processes/costs.h"
 #include "src/service/service.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // Some of the newest of these folders stay, so that a slow daemon cannot claim a term again.
@@ -71,4 +71,4 @@ Result<std::unique_ptr<DataFolder>> DataFolder::hold(const ServiceOptions& optio
   return held;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -11,7 +11,7 @@
 #include "src/base/result.h"
 #include "src/service/staging_folder.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct ServiceOptions;
 
@@ -41,4 +41,4 @@ class DataFolder {
   std::unique_ptr<StagingFolder> jobs_, results_, uploads_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -13,7 +13,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/random_token.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // To be raised when an older version would misread the folder; not for a new field, which older versions ignore.
@@ -53,4 +53,4 @@ Result<std::string> data_identity(const std::filesystem::path& data) {
   return std::string(as_text(bytes));
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

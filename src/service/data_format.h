@@ -5,7 +5,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Checks the format of `data`, and writes it when there is none yet. Errors: corrupt for a folder of a newer version,
 // and for a damaged format file; io.
@@ -15,4 +15,4 @@ Status check_data_format(const std::filesystem::path& data);
 // first call makes it. Errors: io, corrupt.
 Result<std::string> data_identity(const std::filesystem::path& data);
 
-}  // namespace tessera
+}  // namespace tessera::service

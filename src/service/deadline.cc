@@ -5,7 +5,7 @@
 
 #include "src/base/thread_name.h"
 
-namespace tessera {
+namespace tessera::service {
 
 Deadline::Deadline(Ledger& ledger, std::chrono::seconds time, Error over)
     : timer_([this, &ledger, time, over = std::move(over)](const std::stop_token& done) {
@@ -28,4 +28,4 @@ Error time_is_over(std::chrono::seconds time) {
                                  " seconds that a question may take: ask for less at a time");
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

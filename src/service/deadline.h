@@ -10,7 +10,7 @@
 
 #include "src/base/ledger.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Stops the work on a ledger with the reason `over` after `time`, unless the Deadline is destroyed before.
 class Deadline {
@@ -45,4 +45,4 @@ class WhileAnyoneWaits {
 inline constexpr std::chrono::seconds answer_time{60};
 Error time_is_over(std::chrono::seconds time);
 
-}  // namespace tessera
+}  // namespace tessera::service

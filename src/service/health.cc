@@ -11,7 +11,7 @@
 #include "src/job/report/human.h"
 #include "src/service/problem.h"
 
-namespace tessera {
+namespace tessera::service {
 
 ServiceFigures ServiceHealth::figures() const {
   // Before the lock, because this asks the cluster's coordinator.
@@ -74,4 +74,4 @@ std::optional<std::string> ServiceHealth::unready() const {
   return std::nullopt;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

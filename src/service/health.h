@@ -13,7 +13,7 @@
 #include "src/service/jobs/upkeep.h"
 #include "src/service/questions/questions.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // What a service's health is judged by.
 struct HealthSources {
@@ -39,4 +39,4 @@ class ServiceHealth final : public HealthBackend {
   const HealthSources of_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

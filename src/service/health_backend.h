@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera {
+namespace tessera::service {
 
 struct ServiceFigures {
   std::uint64_t accepted = 0, running = 0;                  // now
@@ -35,4 +35,4 @@ class HealthBackend {
   virtual std::optional<std::string> lost() const = 0;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -12,7 +12,7 @@
 
 #include "src/base/utf8.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -310,4 +310,4 @@ std::string as_utf8(std::string_view text) {
   return valid;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Returns one line. A field has its json_name, or its name in the .proto file when it has no json_name. Empty strings,
 // and optional fields and messages that are not set, are left out; empty lists are written. Bytes that are not UTF-8
@@ -27,4 +27,4 @@ bool nested_too_deep(std::string_view json);
 // `text` with U+FFFD in place of what is not UTF-8, which no message may hold.
 std::string as_utf8(std::string_view text);
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace tessera {
+namespace tessera::service {
 
 struct ServiceLimits {
   std::uint32_t running = 1;                              // jobs at once
@@ -18,4 +18,4 @@ struct ServiceLimits {
   std::uint32_t deaths = 3;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include "src/base/printable.h"
 #include "src/base/utf8.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using Clock = std::chrono::system_clock;
@@ -96,4 +96,4 @@ std::string time_of_file(std::int64_t seconds, std::int64_t nanoseconds) {
                    std::chrono::milliseconds(nanoseconds / 1'000'000));
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Checks a name of a folder or file: 1 to 100 bytes of UTF-8, without '/', '\' and characters that are not printable
 // (base/printable.h), and not beginning with a dot. Error usage, with the end of a sentence.
@@ -36,4 +36,4 @@ std::chrono::system_clock::time_point time_of(std::string_view text);
 // The text of a file's time.
 std::string time_of_file(std::int64_t seconds, std::int64_t nanoseconds = 0);
 
-}  // namespace tessera
+}  // namespace tessera::service

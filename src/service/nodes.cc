@@ -9,7 +9,7 @@
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 proto::NodeInfo info_of(const NodeState& node) {
@@ -97,4 +97,4 @@ Reply<proto::NodeInfo> Nodes::drain(std::string_view node, const Caller& caller)
   return info;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

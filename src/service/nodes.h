@@ -11,7 +11,7 @@
 #include "src/service/jobs/job_table.h"
 #include "src/service/nodes_backend.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class Nodes final : public NodesBackend {
  public:
@@ -34,4 +34,4 @@ class Nodes final : public NodesBackend {
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

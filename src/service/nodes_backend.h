@@ -7,7 +7,7 @@
 #include "src/service/caller.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Thread-safe.
 class NodesBackend {
@@ -19,4 +19,4 @@ class NodesBackend {
   virtual Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) = 0;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

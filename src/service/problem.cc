@@ -7,7 +7,7 @@
 #include "src/base/option.h"
 #include "src/service/json.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr const char* ogc = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/";
@@ -115,4 +115,4 @@ proto::Problem result_not_ready(std::string_view id, std::string_view state) {
   return made;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

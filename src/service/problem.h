@@ -9,7 +9,7 @@
 #include "service.pb.h"
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The name of a command's option in the messages of proto/service.proto: an OptionName (src/base/option.h).
 std::string field_name(std::string_view key, std::string_view value);
@@ -37,4 +37,4 @@ proto::Problem reworded(proto::Problem problem, const std::function<std::string(
 proto::Problem no_such_job(std::string_view id);
 proto::Problem result_not_ready(std::string_view id, std::string_view state);
 
-}  // namespace tessera
+}  // namespace tessera::service

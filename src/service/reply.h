@@ -7,7 +7,7 @@
 #include "service.pb.h"
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // An answer, or a problem with its HTTP status.
 template <class T>
@@ -21,4 +21,4 @@ struct ServedFile {
   std::string etag;  // strong, quoted, from the checksum in the manifest; empty for a file that still grows
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

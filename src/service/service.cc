@@ -23,7 +23,7 @@
 #include "src/service/questions/questions.h"
 #include "src/service/results/results.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr std::chrono::hours part_time{24};  // for partial uploads: nobody continues one that is this old
@@ -208,4 +208,4 @@ InputsBackend& Service::inputs() { return impl_->inputs; }
 NodesBackend& Service::nodes() { return impl_->nodes; }
 const HealthBackend& Service::health() const { return *impl_->health; }
 
-}  // namespace tessera
+}  // namespace tessera::service

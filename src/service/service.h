@@ -18,7 +18,7 @@
 #include "src/service/backend.h"
 #include "src/service/limits.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct ServiceOptions {
   std::filesystem::path data;                // made when missing
@@ -67,4 +67,4 @@ class Service {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -19,7 +19,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/random_token.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -148,4 +148,4 @@ Status StagingFolder::move(const fs::path& from, const fs::path& to) {
   return moved;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

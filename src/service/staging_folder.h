@@ -27,7 +27,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class StagingFolder {
  public:
@@ -66,4 +66,4 @@ class StagingFolder {
   std::atomic<std::uint64_t> files_ = 0;  // number of files written, for unique names
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -4,7 +4,7 @@ import unittest
 from cli import IO, OK, USAGE, CliTest
 
 DAEMON = ["jobs", "job", "watch", "cancel", "resume", "inputs", "results", "fetch", "upload", "nodes", "drain"]  # ask one
-COMMANDS = ["triangulate", "verify", "info", "export", "region", "query", "dem", "contours", "profile", "surface", "track", "tileset", "materialise", "measure", "columns", "certs", "cluster", *DAEMON, "generate", "harness"]
+COMMANDS = ["triangulate", "verify", "info", "export", "region", "query", "dem", "contours", "profile", "surface", "track", "tileset", "materialise", "measure", "columns", "certs", "cluster", *DAEMON, "generate"]
 
 
 class Help(CliTest):
@@ -23,7 +23,7 @@ class Help(CliTest):
         users, rest = self.ok("--help").split("Asking a daemon (--server):")
         daemon, tests = rest.split("For tests:")
         for command in COMMANDS:
-            place = tests if command in ("generate", "harness") else daemon if command in DAEMON else users
+            place = tests if command == "generate" else daemon if command in DAEMON else users
             self.assertIn(f"\n  {command} ", place)
 
     def test_help_is_a_command_too(self):

@@ -10,7 +10,7 @@
 #include "src/service/http/connection_counts.h"
 #include "src/service/http/refusal_log.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 TEST(ConnectionCounts, AreOfAllAndOfAnAddress) {
@@ -80,4 +80,4 @@ TEST_F(Refusals, OfManyAddressesAreBoundedToo) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

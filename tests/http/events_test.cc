@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 std::shared_ptr<const proto::Event> event(std::uint64_t id, const std::string& state) {
@@ -62,4 +62,4 @@ TEST(EventTexts, AreThoseOfTheirEvents) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

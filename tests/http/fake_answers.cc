@@ -7,7 +7,7 @@
 #include "query.pb.h"
 #include "tests/http/fake_backend.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 proto::Problem missing(const char* detail) {
@@ -145,4 +145,4 @@ Reply<proto::InputList> FakeBackend::list(std::string_view folder, std::uint32_t
   return list;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <utility>
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -159,12 +159,12 @@ Reply<proto::StatusInfo> FakeBackend::status(std::string_view id) {
 
 Reply<proto::StatusInfo> FakeBackend::dismiss(std::string_view id, const Caller&) {
   set_state(std::string(id), "dismissed");
-  return job(id);
+  return status(id);
 }
 
 Reply<proto::StatusInfo> FakeBackend::resume(std::string_view id, const Caller&) {
   set_state(std::string(id), "accepted");
-  return job(id);
+  return status(id);
 }
 
 Reply<ServedFile> FakeBackend::open(const fs::path& path, const char* type, std::string etag) const {
@@ -174,17 +174,17 @@ Reply<ServedFile> FakeBackend::open(const fs::path& path, const char* type, std:
 }
 
 Reply<ServedFile> FakeBackend::log(std::string_view id) {
-  if (auto found = job(id); !found) return found.error();
+  if (auto found = status(id); !found) return found.error();
   return open(folder_ / "log.txt", "text/plain", "");
 }
 
 Reply<ServedFile> FakeBackend::report(std::string_view id) {
-  if (auto found = job(id); !found) return found.error();
+  if (auto found = status(id); !found) return found.error();
   return open(folder_ / "page.html", "text/html", "");
 }
 
 Reply<proto::JobTiles> FakeBackend::tiles(std::string_view id, bool with_layout) {
-  if (auto found = job(id); !found) return found.error();
+  if (auto found = status(id); !found) return found.error();
   proto::JobTiles tiles;
   tiles.set_job_id(std::string(id));
   tiles.set_stages("wtsd");
@@ -229,7 +229,7 @@ Reply<proto::TriangulationList> FakeBackend::list(std::uint32_t, std::string_vie
     wait_while_held(lock);
   }
   proto::TriangulationList list;
-  if (after.empty()) *list.add_triangulations() = triangulation("block").value();
+  if (after.empty()) *list.add_triangulations() = info("block").value();
   return list;
 }
 
@@ -331,4 +331,4 @@ ServiceFigures FakeBackend::figures() const {
 std::optional<std::string> FakeBackend::unready() const { return std::nullopt; }
 std::optional<std::string> FakeBackend::lost() const { return std::nullopt; }
 
-}  // namespace tessera
+}  // namespace tessera::service

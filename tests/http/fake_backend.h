@@ -16,7 +16,7 @@
 
 #include "src/service/backend.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class FakeBackend final : public ProcessesBackend,
                           public JobsBackend,
@@ -107,4 +107,4 @@ class FakeBackend final : public ProcessesBackend,
   std::map<std::string, std::string, std::less<>> uploads_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -15,7 +15,7 @@
 #include "src/service/http/secrets.h"
 #include "tests/http/fake_backend.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 namespace fs = std::filesystem;
@@ -281,4 +281,4 @@ TEST(NodeFront, HasHealthAndFiguresWithoutATokenAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

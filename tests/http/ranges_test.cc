@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 ByteRange part(const char* header, std::uint64_t size) {
@@ -41,4 +41,4 @@ TEST(EntityTag, IsFoundInLists) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

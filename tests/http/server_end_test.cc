@@ -12,7 +12,7 @@
 
 #include "src/service/http/server.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 class Node final : public NodeHealth {
@@ -60,4 +60,4 @@ TEST(ServerEnd, TakesNoConnectionWhileItCloses) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -10,7 +10,7 @@
 #include "src/base/files/temporary.h"
 #include "src/service/http/secrets.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using Clock = Sessions::Clock;
@@ -86,4 +86,4 @@ TEST_F(SessionsFile, ThatIsNoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 TEST(Target, IsDecodedOnce) {
@@ -114,4 +114,4 @@ TEST(RelativeReference, LeadsThere) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -11,7 +11,7 @@
 #include "src/service/http/guard.h"
 #include "src/service/http/secrets.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 namespace fs = std::filesystem;
@@ -124,4 +124,4 @@ TEST(Host, IsFoundWithAndWithoutAPort) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

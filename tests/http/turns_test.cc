@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 // Work that is held until it is let go, and who is at work meanwhile.
@@ -130,4 +130,4 @@ TEST_F(TurnsOfCallers, WhatHasNotBegunIsForgottenAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -3,7 +3,7 @@
 #include "src/service/jobs/jobs.h"
 #include "tests/service/table_testing.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using testing::alice;
@@ -74,4 +74,4 @@ TEST_F(Admit, OnlyItsSubmitterOrAnAdminDismissesAndResumesAJob) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service

@@ -13,7 +13,7 @@
 #include "src/result/query/answer_text.h"
 #include "src/result/query/answers.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using Json = nlohmann::json;
@@ -193,4 +193,4 @@ TEST(AnswerMessages, WrongPointsAreRefusedWithASentence) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service

@@ -16,7 +16,7 @@
 #include "src/service/staging_folder.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 class Bounds : public ServiceTest {
@@ -239,4 +239,4 @@ TEST_F(Bounds, ARasterOfFewLargeCellsIsDrawnInParts) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

@@ -8,7 +8,7 @@
 #include "tests/disk/failing_disk.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 namespace fs = std::filesystem;
@@ -139,4 +139,4 @@ TEST_F(ServiceDisk, TheNumberOfANewerFormatIsNeverWrittenOver) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

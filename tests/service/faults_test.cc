@@ -9,7 +9,7 @@
 #include "src/service/jobs/deaths.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 namespace fs = std::filesystem;
@@ -232,4 +232,4 @@ TEST_F(Faults, RetentionForgetsWhatEndedLongAgoAndNeverAResult) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

@@ -7,7 +7,7 @@
 #include "src/service/jobs/job_status.h"
 #include "tests/service/table_testing.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using testing::alice;
@@ -149,4 +149,4 @@ TEST_F(Table, AJobWhoseRecordIsDamagedIsShownAndNotLost) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service

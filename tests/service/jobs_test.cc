@@ -5,7 +5,7 @@
 #include "src/base/files/names.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 using Jobs = ServiceTest;
@@ -339,4 +339,4 @@ TEST_F(Jobs, WhereNoStateCanBeWrittenNothingIsAccepted) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

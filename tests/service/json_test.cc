@@ -4,7 +4,7 @@
 
 #include "service.pb.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 std::string refusal(std::string_view json) {
@@ -113,4 +113,4 @@ TEST(Json, BytesThatAreNoUtf8AreReplaced) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service

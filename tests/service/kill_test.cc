@@ -17,7 +17,7 @@
 
 extern char** environ;
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 namespace fs = std::filesystem;
@@ -125,4 +125,4 @@ TEST_F(Kill, EveryAcceptedJobEndsOnceWithTheSameResultAndNothingIsLeft) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

@@ -11,7 +11,7 @@
 #include "src/service/staging_folder.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 class Limits : public ServiceTest {
@@ -216,4 +216,4 @@ TEST_F(Limits, WhatTheCallerDidIsNoErrorOfTheServer) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

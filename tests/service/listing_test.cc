@@ -6,7 +6,7 @@
 
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 namespace fs = std::filesystem;
@@ -165,4 +165,4 @@ TEST_F(Listing, OfAResultItTellsWhatItWasMadeInto) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

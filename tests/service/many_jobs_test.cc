@@ -6,7 +6,7 @@
 
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 using ManyJobs = ServiceTest;
@@ -56,4 +56,4 @@ TEST_F(ManyJobs, LeaveNoDescriptorsAndNoMoreMemoryThanTheirRecords) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

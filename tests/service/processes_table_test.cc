@@ -5,7 +5,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/processes/table.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // A process without a row would be accepted by the message and never done.
@@ -50,4 +50,4 @@ TEST(ProcessesTable, TellsWhatInputsReadAndMake) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service

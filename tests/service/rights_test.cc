@@ -6,7 +6,7 @@
 #include "src/service/results/owners.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 class Rights : public ServiceTest {
@@ -157,4 +157,4 @@ TEST_F(Rights, WhatHasComeOfAnUploadIsNotGoneOnWithByOthers) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

@@ -10,7 +10,7 @@
 #include "src/base/option.h"
 #include "src/service/service.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 const Caller caller{"driver", Role::admin};
@@ -102,6 +102,6 @@ int drive(const std::string& data, const std::string& roots) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service
 
 int main(int argc, char** argv) { return argc == 3 ? tessera::drive(argv[1], argv[2]) : 2; }

@@ -16,7 +16,7 @@
 #include "src/input/generate/generate.h"
 #include "src/service/service.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 
 inline const Caller alice{"alice", Role::submit}, bob{"bob", Role::submit}, admin{"admin", Role::admin};
 
@@ -115,4 +115,4 @@ class ServiceTest : public ::testing::Test {
   std::unique_ptr<Service> service;
 };
 
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

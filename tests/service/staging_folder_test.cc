@@ -11,7 +11,7 @@
 #include "src/base/files/names.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 namespace fs = std::filesystem;
@@ -152,4 +152,4 @@ TEST_F(DeskTest, OfAnEarlierTermWithStrangeThingsIsAnErrorAndIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service

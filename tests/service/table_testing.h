@@ -16,7 +16,7 @@
 #include "src/service/results/result_folders.h"
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 
 class TableTest : public ::testing::Test {
  protected:
@@ -72,4 +72,4 @@ class TableTest : public ::testing::Test {
   std::unique_ptr<Admission> admission;
 };
 
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

@@ -3,7 +3,7 @@
 
 #include "tests/service/service_testing.h"
 
-namespace tessera::testing {
+namespace tessera::service::testing {
 namespace {
 
 using Tiles = ServiceTest;
@@ -127,4 +127,4 @@ TEST_F(Tiles, ThatThereAreNotAreAProblem) {
 }
 
 }  // namespace
-}  // namespace tessera::testing
+}  // namespace tessera::service::testing

@@ -9,7 +9,7 @@
 #include "src/service/problem.h"
 #include "tests/service/table_testing.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 class Work : public testing::TableTest {
@@ -119,4 +119,4 @@ TEST_F(Work, WhatCannotBePublishedHasFailed) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service

@@ -53,7 +53,6 @@ Command add_upload(CLI::App& root);
 Command add_nodes(CLI::App& root);
 Command add_drain(CLI::App& root);
 Command add_generate(CLI::App& root);
-Command add_harness(CLI::App& root);
 
 // The heading under which the help lists commands that ask a daemon.
 constexpr const char* daemon_group = "Asking a daemon (--server)";

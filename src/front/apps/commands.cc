@@ -47,7 +47,6 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_nodes(root));
   commands.push_back(add_drain(root));
   commands.push_back(add_generate(root));
-  commands.push_back(add_harness(root));
   return commands;
 }
 

@@ -36,7 +36,7 @@ Result<std::uint64_t> bytes_or_unlimited(const std::string& text) {
   return text == "unlimited" ? Result<std::uint64_t>(std::uint64_t{0}) : parse_memory(text);
 }
 
-Status read_limits(const Settings& settings, ServiceLimits& limits) {
+Status read_limits(const Settings& settings, service::ServiceLimits& limits) {
   BOOST_OUTCOME_TRY(queued, settings.get("queued", at_least_one));
   BOOST_OUTCOME_TRY(jobs, settings.get("jobs", at_least_one));
   BOOST_OUTCOME_TRY(points, settings.get("points", [](const std::string& t) { return count_or(t, "unlimited"); }));
@@ -56,11 +56,11 @@ Status read_limits(const Settings& settings, ServiceLimits& limits) {
 
 }  // namespace
 
-Result<http::ListenOptions> parse_listen_address(std::string_view text) {
+Result<service::http::ListenOptions> parse_listen_address(std::string_view text) {
   const auto wrong = [&] {
     return error(Errc::usage, "'" + std::string(text) + "' is no address like 127.0.0.1:7070 or [::1]:7070");
   };
-  http::ListenOptions out;
+  service::http::ListenOptions out;
   const bool port_alone = text.find(':') == std::string_view::npos;
   const auto parsed = parse_host_port(port_alone ? out.address + ":" + std::string(text) : std::string(text));
   if (!parsed) return wrong();
@@ -139,11 +139,12 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRY(uploads, top.on("uploads"));
   BOOST_OUTCOME_TRY(retention, top.get("retention", parse_duration));
   BOOST_OUTCOME_TRY(listen, top.get("listen", parse_listen_address));
-  BOOST_OUTCOME_TRY(metrics, top.get("metrics", [](const std::string& t) -> Result<std::optional<http::ListenOptions>> {
-    if (t == "none") return std::optional<http::ListenOptions>{};
-    BOOST_OUTCOME_TRY(address, parse_listen_address(t));
-    return std::optional(address);
-  }));
+  BOOST_OUTCOME_TRY(metrics,
+                    top.get("metrics", [](const std::string& t) -> Result<std::optional<service::http::ListenOptions>> {
+                      if (t == "none") return std::optional<service::http::ListenOptions>{};
+                      BOOST_OUTCOME_TRY(address, parse_listen_address(t));
+                      return std::optional(address);
+                    }));
   BOOST_OUTCOME_TRY(certificate, top.get("tls-certificate", as_text));
   BOOST_OUTCOME_TRY(key, top.get("tls-key", as_text));
   BOOST_OUTCOME_TRY(public_url, top.get("public-url", as_text));
@@ -153,7 +154,7 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   if (log && *log != "text" && *log != "json")
     return error(Errc::usage, "log: '" + *log + "' is neither text nor json");
 
-  ServiceOptions& service = out.service;
+  service::ServiceOptions& service = out.service;
   service.data = *data;
   for (std::string& root : inputs.value_or(std::vector<std::string>{})) service.roots.emplace_back(std::move(root));
   service.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
@@ -165,9 +166,9 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
   service.cluster = std::move(cluster);
 
-  http::ServerOptions& server = out.http;
-  server.listeners.push_back(listen.value_or(http::ListenOptions{.address = "127.0.0.1", .port = 7070}));
-  auto operations = metrics.value_or(http::ListenOptions{.address = "127.0.0.1", .port = 7071});
+  service::http::ServerOptions& server = out.http;
+  server.listeners.push_back(listen.value_or(service::http::ListenOptions{.address = "127.0.0.1", .port = 7070}));
+  auto operations = metrics.value_or(service::http::ListenOptions{.address = "127.0.0.1", .port = 7071});
   if (operations) {
     operations->operations = true;
     server.listeners.push_back(*operations);

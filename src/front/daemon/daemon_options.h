@@ -17,8 +17,8 @@ class App;
 namespace tessera {
 
 struct DaemonOptions {
-  ServiceOptions service;  // with the options of the cluster, also for a process that only works for a cluster
-  http::ServerOptions http;
+  service::ServiceOptions service;  // with the options of the cluster, also for a process that only works for a cluster
+  service::http::ServerOptions http;
   bool json_log = false;
   bool print_token = false;  // print the token also if stdout is no terminal
 };
@@ -35,7 +35,7 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
                                           const std::function<const char*(const char*)>& get_environment);
 
 // Parses "127.0.0.1:7070", "[::1]:7070", or "7070", which is on the loopback. Error usage.
-Result<http::ListenOptions> parse_listen_address(std::string_view text);
+Result<service::http::ListenOptions> parse_listen_address(std::string_view text);
 // Parses "90", "90s", "15m", "12h", "30d"; "forever" is 0. Returns seconds. Error usage.
 Result<std::uint64_t> parse_duration(std::string_view text);
 

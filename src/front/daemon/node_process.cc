@@ -23,10 +23,10 @@
 #include "src/front/daemon/process_watch.h"
 #include "src/front/daemon/supervisor.h"
 #include "src/job/engine_steps.h"
-#include "src/service/processes/costs.h"
 #include "src/service/data_format.h"
 #include "src/service/http/node_health.h"
 #include "src/service/http/server.h"
+#include "src/service/processes/costs.h"
 
 namespace tessera {
 namespace {
@@ -41,14 +41,14 @@ std::string in_words(const NodeWork& work) {
          std::to_string(work.tile_memory_bytes >> 20) + " MiB in memory)";
 }
 
-class Health final : public http::NodeHealth {
+class Health final : public service::http::NodeHealth {
  public:
-  Health(const Engine& engine, const ServiceOptions& options) : engine_(engine), options_(options) {}
+  Health(const Engine& engine, const service::ServiceOptions& options) : engine_(engine), options_(options) {}
 
-  http::NodeFigures figures() const override {
+  service::http::NodeFigures figures() const override {
     const NodeWork work = engine_.work();
     const MembershipStatus status = engine_.membership_status();
-    http::NodeFigures out;
+    service::http::NodeFigures out;
     out.memory_budget_bytes = options_.memory_bytes;
     out.memory_used_bytes = engine_.memory_used();
     out.tile_memory_bytes = work.tile_memory_bytes;
@@ -77,7 +77,7 @@ class Health final : public http::NodeHealth {
 
  private:
   const Engine& engine_;
-  const ServiceOptions& options_;
+  const service::ServiceOptions& options_;
 };
 
 }  // namespace
@@ -111,13 +111,13 @@ std::function<void()> again_and_again(boost::asio::steady_timer& timer, std::chr
 
 }  // namespace
 
-Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,
+Status serve_node(const service::ServiceOptions& options, service::http::ServerOptions http, LastWords& words,
                   const std::function<void()>& begin_anew) {
   boost::asio::io_context context;
   boost::asio::signal_set signals(context, SIGTERM, SIGINT);
   ClusterOptions cluster = *options.cluster;
   BOOST_OUTCOME_TRYV(make_directories(options.data));
-  BOOST_OUTCOME_TRY(identity, data_identity(options.data));
+  BOOST_OUTCOME_TRY(identity, service::data_identity(options.data));
   cluster.shared = identity;
   cluster.data = options.data;
   bool again = false, leaves = false;
@@ -154,10 +154,10 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   const Health health(*engine, options);
   std::optional<ProcessWatch> watch(
       std::in_place, [&] { return health.unready(); }, cluster.certificate, cluster.certificate_end_s);
-  std::erase_if(http.listeners, [](const http::ListenOptions& listener) { return !listener.operations; });
-  std::unique_ptr<http::Server> server;
+  std::erase_if(http.listeners, [](const service::http::ListenOptions& listener) { return !listener.operations; });
+  std::unique_ptr<service::http::Server> server;
   if (!http.listeners.empty()) {
-    BOOST_OUTCOME_TRY(started, http::Server::start(std::move(http), health));
+    BOOST_OUTCOME_TRY(started, service::http::Server::start(std::move(http), health));
     server = std::move(started);
   }
   spdlog::info("node {} listens at {}", cluster.node_name, to_string(cluster.advertised));

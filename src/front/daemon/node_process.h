@@ -23,7 +23,7 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch);
 // `begin_anew`, which should not return; but not after SIGTERM or SIGINT.
 // REQUIRES: the scratch folder is taken, and `words` are kept there. Only the listeners of `http` for operations are
 // used. Errors: those of Engine::join() and Server::start().
-Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,
+Status serve_node(const service::ServiceOptions& options, service::http::ServerOptions http, LastWords& words,
                   const std::function<void()>& begin_anew);
 
 }  // namespace tessera

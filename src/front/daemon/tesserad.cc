@@ -57,7 +57,7 @@ int fail(const Error& error, bool json = false) {
 }
 
 // Returns the address of the API for users: "http://127.0.0.1:7070/".
-std::string address_of(const http::ServerOptions& options, std::uint16_t port) {
+std::string address_of(const service::http::ServerOptions& options, std::uint16_t port) {
   if (!options.public_url.empty())
     return options.public_url.back() == '/' ? options.public_url : options.public_url + "/";
   const std::string& host = options.listeners.front().address;
@@ -69,7 +69,7 @@ std::string address_of(const http::ServerOptions& options, std::uint16_t port) {
 // pause().
 class Life {
  public:
-  void run(Service& service, http::Server& server) {
+  void run(service::Service& service, service::http::Server& server) {
     service_ = &service;
     server_ = &server;
     wait_for_signal();
@@ -134,8 +134,8 @@ class Life {
     });
   }
 
-  Service* service_ = nullptr;
-  http::Server* server_ = nullptr;
+  service::Service* service_ = nullptr;
+  service::http::Server* server_ = nullptr;
   boost::asio::io_context context_;
   boost::asio::signal_set signals_{context_, SIGTERM, SIGINT, SIGHUP};
   boost::asio::steady_timer timer_{context_};
@@ -181,10 +181,10 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
   options.service.note = [](const std::string& line) { spdlog::info("{}", render(line, flag_name)); };
   const std::optional<ClusterOptions> cluster = options.service.cluster;
-  auto opened = Service::open(std::move(options.service));
+  auto opened = service::Service::open(std::move(options.service));
   if (!opened && turn.given_up()) return success();
   BOOST_OUTCOME_TRY(service, std::move(opened));
-  BOOST_OUTCOME_TRY(server, http::Server::start(options.http, service->backend()));
+  BOOST_OUTCOME_TRY(server, service::http::Server::start(options.http, service->backend()));
   const std::string address = address_of(options.http, server->ports().front());
   // The token is printed once, on stdout, for the user who starts the daemon in a terminal. It must not reach a log: a
   // service manager logs what it reads from a pipe. Browsers do not send what stands behind '#', so the token is in no

@@ -6,7 +6,7 @@
 
 #include "src/service/http/links.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // Uses the public address; without one, the host of the request, which is one of ours (guard.h).
 inline std::string absolute(const Links& links, const Request& request, std::string_view path) {
@@ -15,4 +15,4 @@ inline std::string absolute(const Links& links, const Request& request, std::str
   return (request.tls ? "https://" : "http://") + std::string(request.header("host")) + std::string(path);
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -11,7 +11,7 @@
 #include "src/service/http/processes.h"
 #include "src/service/http/tokens.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using nlohmann::ordered_json;
@@ -233,4 +233,4 @@ std::vector<Route> node_routes(Shared& shared, const NodeHealth& node) {
   return routes;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::uint32_t of_a_group_min = 8, connections_min = 8;
@@ -43,4 +43,4 @@ std::uint32_t connections_within(std::uint64_t open_files, std::uint32_t wanted)
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(fit, wanted));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

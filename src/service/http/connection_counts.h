@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_map>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // The group of an address. IPv6 addresses of one user's network (the same first 64 bits) have the same group. An IPv4
 // address in IPv6 form has the group of the IPv4 address.
@@ -33,4 +33,4 @@ class ConnectionCounts {
 // the limit is left to jobs.
 std::uint32_t connections_within(std::uint64_t open_files, std::uint32_t wanted);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -5,7 +5,7 @@
 #include "src/service/http/ranges.h"
 #include "web/web_files.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::string_view page = "index.html";
@@ -66,4 +66,4 @@ void add_dashboard_routes(std::vector<Route>& routes) {
   }
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

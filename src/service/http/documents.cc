@@ -1,6 +1,6 @@
 #include "src/service/http/documents.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using nlohmann::ordered_json;
@@ -151,4 +151,4 @@ void add_documents(ordered_json& schemas) {
   add_maps(schemas);
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // A reference to the schema of the document.
 nlohmann::ordered_json reference(const std::string& schema);
 void add_documents(nlohmann::ordered_json& schemas);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 using asio::redirect_error;
 using asio::use_awaitable;
@@ -72,4 +72,4 @@ void EventSender::watch_peer() {
   });
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -11,7 +11,7 @@
 #include "src/service/http/events.h"
 #include "src/service/http/session_limits.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // Call all functions on the socket's executor.
 class EventSender : public std::enable_shared_from_this<EventSender> {
@@ -37,4 +37,4 @@ class EventSender : public std::enable_shared_from_this<EventSender> {
   bool ending_ = false, peer_gone_ = false;
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -4,7 +4,7 @@
 
 #include "src/service/json.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 bool has_ended(const proto::Event& event) {
@@ -74,4 +74,4 @@ std::string EventQueue::take(bool& over) {
   return std::exchange(waiting_, {});
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

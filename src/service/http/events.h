@@ -14,7 +14,7 @@
 #include "src/service/http/message.h"
 #include "src/service/jobs/jobs_backend.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 std::string event_text(const proto::Event& event);
 
@@ -67,4 +67,4 @@ class EventQueue {
   std::unique_ptr<Subscription> subscription_;
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

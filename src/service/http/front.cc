@@ -6,7 +6,7 @@
 #include <exception>
 #include <utility>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 std::string joined(const std::vector<std::string>& words) {
@@ -178,4 +178,4 @@ void Front::complete(const Request& request, const Admitted& admitted, Answer& a
   }
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -21,7 +21,7 @@
 #include "src/service/http/sessions.h"
 #include "src/service/http/tokens.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct FrontOptions {
   std::string public_url;
@@ -76,4 +76,4 @@ class Front {
   RefusalLog refusals_;
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 // A header that comes twice could be read differently here and by a proxy in front.
@@ -206,4 +206,4 @@ std::string Guard::set_cookie(const Request& request, const std::string& session
 // One name a port, because browsers share cookies among all ports of a host.
 std::string Guard::cookie_name(const Request& request) { return "tessera-" + std::to_string(request.port); }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -17,7 +17,7 @@
 #include "src/service/http/sessions.h"
 #include "src/service/http/tokens.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // Limits how often an address may fail: `burst` times at once, then `per_second`. A right token is never refused
 // because of others at its address. Tokens have 256 bits, so they cannot be guessed at any rate; the limit only spares
@@ -75,4 +75,4 @@ class Guard {
   FailureRate failures_{20, 1};
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -12,7 +12,7 @@
 #include "src/service/http/node_health.h"
 #include "src/service/http/router.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 class Guard;
 
@@ -52,4 +52,4 @@ Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std:
 // An error of the caller, as a problem with status 400.
 Answer bad_request(const Error& error);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -3,7 +3,7 @@
 #include <array>
 #include <ctime>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 // The date of this second, made once a second.
@@ -42,4 +42,4 @@ std::string head_of(const Answer& answer, bool keep) {
   return head;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct Session::Incoming {
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser;
@@ -21,4 +21,4 @@ struct Session::Incoming {
   bool has_body() const { return chunked || length.value_or(0) > 0; }
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

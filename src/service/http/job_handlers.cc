@@ -9,7 +9,7 @@
 #include "src/service/json.h"
 #include "src/service/processes/table.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::uint32_t page = 100, page_max = 1000;
@@ -295,4 +295,4 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
       if (route.name == name) route.runs = Runs::at_once;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -5,7 +5,7 @@
 
 #include "src/base/files/names.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr const char* json = "application/json";
@@ -71,4 +71,4 @@ void Links::add(const Request& request, proto::TriangulationInfo& triangulation)
   *triangulation.add_links() = link(request, self + "/exports", "exports", json, "What it was made into");
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

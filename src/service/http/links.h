@@ -8,7 +8,7 @@
 #include "service.pb.h"
 #include "src/service/http/message.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 inline constexpr std::string_view result_not_ready =
     "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/result-not-ready";
@@ -35,4 +35,4 @@ std::string triangulation_path(std::string_view name);
 // `path` may contain slashes.
 std::string file_path(std::string_view triangulation, std::string_view path);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

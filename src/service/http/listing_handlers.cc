@@ -4,7 +4,7 @@
 #include "src/base/files/names.h"
 #include "src/service/http/handlers.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::uint32_t page = 100, page_max = 1000;
@@ -96,4 +96,4 @@ void add_listing_routes(std::vector<Route>& routes) {
   routes.push_back(std::move(choice));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -6,7 +6,7 @@
 #include "src/service/http/absolute.h"
 #include "src/service/http/handlers.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using nlohmann::ordered_json;
@@ -217,4 +217,4 @@ void add_map_routes(std::vector<Route>& routes) {
   routes.push_back(std::move(tile));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

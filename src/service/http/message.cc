@@ -5,7 +5,7 @@
 
 #include "src/service/json.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
@@ -170,4 +170,4 @@ void write_problem(const Request& request, Answer& answer) {
   answer.body = to_json(*answer.problem);
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

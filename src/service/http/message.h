@@ -18,7 +18,7 @@
 #include "src/service/http/target.h"
 #include "src/service/reply.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 using Headers = std::vector<std::pair<std::string, std::string>>;
 
@@ -74,4 +74,4 @@ std::string media_type(std::string_view content_type);
 // True if the caller prefers `type` to `usual`, which is sent unless Accept says otherwise.
 bool prefers(const Request& request, std::string_view type, std::string_view usual = "application/json");
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -14,7 +14,7 @@
 
 #include "src/job/version.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using prometheus::BuildCounter;
@@ -185,4 +185,4 @@ std::string Metrics::text(const NodeFigures& figures) {
   return my.text();
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -12,7 +12,7 @@
 #include "src/service/http/process_figures.h"
 #include "src/service/http/router.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 class Metrics {
  public:
@@ -35,4 +35,4 @@ class Metrics {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

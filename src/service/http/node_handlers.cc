@@ -2,7 +2,7 @@
 
 #include "src/service/http/handlers.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr const char* json = "application/json";
@@ -39,4 +39,4 @@ void add_node_routes(std::vector<Route>& routes) {
                     drain});
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct NodeFigures {
   std::uint64_t memory_budget_bytes = 0;  // for all jobs together
@@ -33,4 +33,4 @@ class NodeHealth {
   virtual std::optional<std::string> unready() const = 0;
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

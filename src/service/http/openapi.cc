@@ -10,7 +10,7 @@
 #include "src/service/http/schema.h"
 #include "src/service/http/tokens.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using nlohmann::ordered_json;
@@ -109,4 +109,4 @@ std::string openapi_document(const std::vector<Route>& routes, const std::string
   return json_text(document);
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -6,9 +6,9 @@
 
 #include "src/service/http/router.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // The document as JSON text. `server` is the address of the API, relative to the document's own.
 std::string openapi_document(const std::vector<Route>& routes, const std::string& server);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

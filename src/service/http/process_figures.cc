@@ -13,7 +13,7 @@
 
 #include "src/base/files/folder.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 double seconds_of(const timeval& time) {
@@ -55,4 +55,4 @@ ProcessFigures process_figures() {
   return out;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct ProcessFigures {
   double start_time_s = 0;  // since 1970
@@ -15,4 +15,4 @@ struct ProcessFigures {
 // The figures of this process; 0 for those that the system does not tell.
 ProcessFigures process_figures();
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -9,7 +9,7 @@
 #include "src/service/json.h"
 #include "src/service/processes/table.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using nlohmann::ordered_json;
@@ -159,4 +159,4 @@ Result<proto::Inputs> read_inputs(const Process& process, const Request& request
   return inputs;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -8,7 +8,7 @@
 #include "src/service/http/message.h"
 #include "src/service/processes/process.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 nlohmann::ordered_json process_summary(const Process& process, const Links& links, const Request& request);
 nlohmann::ordered_json process_description(const Process& process, const Links& links, const Request& request);
@@ -17,4 +17,4 @@ nlohmann::ordered_json process_description(const Process& process, const Links& 
 // usage, with the field.
 Result<proto::Inputs> read_inputs(const Process& process, const Request& request);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

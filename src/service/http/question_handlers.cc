@@ -7,7 +7,7 @@
 #include "src/service/http/handlers.h"
 #include "src/service/http/ranges.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using About = Question::About;
@@ -214,4 +214,4 @@ void add_question_routes(std::vector<Route>& routes) {
       {bbox, {"shrink", "number", "Each towards its mean; from 0.01 to 1, which is the usual"}, max_edge, limit}));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

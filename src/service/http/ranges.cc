@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 // A number of digits only. Too large a number becomes the largest one, which is beyond the end of every file.
@@ -98,4 +98,4 @@ Answer file_answer(const Request& request, const ServedFile& served) {
   return answer;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

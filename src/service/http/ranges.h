@@ -8,7 +8,7 @@
 #include "src/service/http/message.h"
 #include "src/service/reply.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct ByteRange {
   std::uint64_t offset = 0, bytes = 0;
@@ -30,4 +30,4 @@ bool names_tag(std::string_view list, std::string_view etag, bool weakly);
 // The answer to GET or HEAD of a file: 200, 206, 304, 412 or 416. Takes over the descriptor.
 Answer file_answer(const Request& request, const ServedFile& served);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

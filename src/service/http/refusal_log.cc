@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::chrono::seconds between{1};
@@ -51,4 +51,4 @@ void RefusalLog::tell(Clock::time_point now) {
   for (const std::string& line : lines) write_(line);
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

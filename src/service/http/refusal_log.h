@@ -9,7 +9,7 @@
 #include <string>
 #include <unordered_map>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // For each caller ("who from where") logs one line a second, and then the number of further refusals; for at most
 // `callers_max` callers. Thread-safe.
@@ -35,4 +35,4 @@ class RefusalLog {
   std::uint64_t elsewhere_ = 0;  // refusals of further callers
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

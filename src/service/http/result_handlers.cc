@@ -7,7 +7,7 @@
 #include "src/service/http/handlers.h"
 #include "src/service/http/ranges.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::uint32_t page = 100, page_max = 1000;
@@ -203,4 +203,4 @@ void add_result_routes(std::vector<Route>& routes) {
   routes.push_back(std::move(put));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

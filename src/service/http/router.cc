@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 std::vector<std::string> split(std::string_view path) {
@@ -67,4 +67,4 @@ const Route* HttpRouter::find(Place place, std::string_view method, const std::v
   return found ? found : as_get;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

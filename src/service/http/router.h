@@ -12,7 +12,7 @@
 #include "src/service/http/links.h"
 #include "src/service/http/message.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // What handlers need in addition to the request.
 struct Context {
@@ -84,4 +84,4 @@ class HttpRouter {
   std::vector<std::vector<std::string>> templates_;  // segments by route
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

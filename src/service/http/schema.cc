@@ -5,7 +5,7 @@
 #include "query.pb.h"
 #include "service.pb.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -124,4 +124,4 @@ bool is_message(const std::string& schema) {
          proto::Points::descriptor()->file()->FindMessageTypeByName(schema);
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // A field's name in JSON.
 std::string json_name(const google::protobuf::FieldDescriptor& field);
@@ -21,4 +21,4 @@ nlohmann::ordered_json message_schemas();
 // True if the schema is also a message of this name in proto/service.proto or proto/query.proto.
 bool is_message(const std::string& schema);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -10,7 +10,7 @@
 
 #include "src/base/check.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 std::string hex(std::span<const unsigned char> bytes) {
@@ -42,4 +42,4 @@ bool equal_in_constant_time(std::string_view a, std::string_view b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

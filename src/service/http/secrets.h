@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // `bytes` random bytes of the system, in hexadecimal.
 std::string random_hex(std::size_t bytes);
@@ -15,4 +15,4 @@ std::string checksum_of_secret(std::string_view secret);
 // Compares in a time that depends only on the lengths.
 bool equal_in_constant_time(std::string_view a, std::string_view b);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

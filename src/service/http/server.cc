@@ -27,7 +27,7 @@
 #include "src/service/http/session.h"
 #include "src/service/http/tls.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::chrono::milliseconds accept_again{100};
@@ -282,4 +282,4 @@ bool Server::drain(std::chrono::milliseconds time) {
   return impl_->ended.wait_for(lock, time, [&] { return impl_->sessions.empty(); });
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -13,7 +13,7 @@
 #include "src/service/backend.h"
 #include "src/service/http/node_health.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct ListenOptions {
   std::string address = "127.0.0.1";  // IPv4 or IPv6
@@ -69,4 +69,4 @@ class Server {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

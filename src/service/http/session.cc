@@ -15,7 +15,7 @@
 #include "src/service/http/head.h"
 #include "src/service/http/incoming.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 namespace beast = boost::beast;
@@ -283,4 +283,4 @@ asio::awaitable<void> Session::linger() {
   }
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

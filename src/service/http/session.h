@@ -18,7 +18,7 @@
 #include "src/service/http/watched_work.h"
 #include "src/service/http/workers.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
@@ -73,4 +73,4 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint16_t port_ = 0;
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

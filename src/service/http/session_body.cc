@@ -5,7 +5,7 @@
 #include <boost/beast/http/string_body.hpp>
 #include <utility>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 namespace beast = boost::beast;
@@ -100,4 +100,4 @@ asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
   co_return co_await send(incoming, std::move(taken));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -2,7 +2,7 @@
 #include "src/service/http/guard.h"
 #include "src/service/http/handlers.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 void add_session_routes(std::vector<Route>& routes, Shared& shared) {
   routes.push_back({"POST",
@@ -21,4 +21,4 @@ void add_session_routes(std::vector<Route>& routes, Shared& shared) {
                     [&shared](const Call& call) { return shared.guard->sign_out(call.request); }});
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct SessionLimits {
   std::uint32_t header_bytes = 8 << 10;
@@ -14,4 +14,4 @@ struct SessionLimits {
   std::chrono::milliseconds header{10'000}, idle{60'000}, body{30'000}, write{30'000}, comment{15'000}, work{60'000};
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -9,7 +9,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/service/http/secrets.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::size_t session_bytes = 32, checksum_digits = 64;
@@ -92,4 +92,4 @@ Status Sessions::write() const {
   return write_private(file_, std::as_bytes(std::span(text)));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

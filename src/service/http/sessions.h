@@ -15,7 +15,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // Thread-safe.
 class Sessions {
@@ -52,4 +52,4 @@ class Sessions {
   std::map<std::string, Kept, std::less<>> kept_;  // by the checksum of the browser's number
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

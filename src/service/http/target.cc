@@ -5,7 +5,7 @@
 
 #include "src/base/utf8.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::size_t parameters_max = 32;
@@ -128,4 +128,4 @@ std::string relative_reference(std::string_view from, std::string_view to) {
   return reference;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -10,7 +10,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct Target {
   std::string path;                   // as it was sent, without the query
@@ -32,4 +32,4 @@ std::string encode_segment(std::string_view text);
 // The reference (RFC 3986, 4.2) from the page at path `from` to the page at path `to`; both begin with a slash.
 std::string relative_reference(std::string_view from, std::string_view to);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -6,7 +6,7 @@
 
 #include "src/base/files/private_file.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 namespace ssl = boost::asio::ssl;
 
@@ -28,4 +28,4 @@ Result<std::shared_ptr<ssl::context>> tls_context(const std::filesystem::path& c
   return context;
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

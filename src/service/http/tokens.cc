@@ -19,7 +19,7 @@
 #include "src/base/utf8.h"
 #include "src/service/http/secrets.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 constexpr std::size_t token_bytes = 32, token_length_min = 32;
@@ -110,4 +110,4 @@ std::string Tokens::first(Role role) const {
   return {};
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -12,7 +12,7 @@
 #include "src/base/result.h"
 #include "src/service/caller.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 class Tokens {
  public:
@@ -49,4 +49,4 @@ class Tokens {
 std::optional<Role> role_of(std::string_view word);
 std::string_view word_of(Role role);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

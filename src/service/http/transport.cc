@@ -13,7 +13,7 @@
 #include <cerrno>
 #include <vector>
 
-namespace tessera::http {
+namespace tessera::service::http {
 namespace {
 
 using asio::redirect_error;
@@ -160,4 +160,4 @@ std::unique_ptr<Transport> tls_transport(tcp::socket socket, std::shared_ptr<asi
   return std::make_unique<Tls>(std::move(socket), std::move(context));
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

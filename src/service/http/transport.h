@@ -15,7 +15,7 @@
 #include <memory>
 #include <string_view>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
@@ -43,4 +43,4 @@ class Transport {
 std::unique_ptr<Transport> plain_transport(tcp::socket socket);
 std::unique_ptr<Transport> tls_transport(tcp::socket socket, std::shared_ptr<asio::ssl::context> context);
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

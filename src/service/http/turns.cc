@@ -5,7 +5,7 @@
 #include "src/base/check.h"
 #include "src/base/thread_name.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 Turns::~Turns() { check(threads_.empty(), "turns end with their threads joined"); }
 
@@ -112,4 +112,4 @@ void Turns::join() {
   threads_.clear();
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

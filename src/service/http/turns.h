@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 struct TurnLimits {
   std::uint32_t usual = 2;  // tasks of any callers at once
@@ -104,4 +104,4 @@ class Turns : public std::enable_shared_from_this<Turns> {
   std::vector<std::thread> threads_;  // started when needed
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

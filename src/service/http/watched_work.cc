@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 WatchedWork::WatchedWork(std::shared_ptr<Transport> transport, std::optional<std::chrono::milliseconds> time_max)
     : transport_(std::move(transport)), time_max_(time_max), look_(transport_->socket().get_executor()) {}
@@ -31,4 +31,4 @@ void WatchedWork::watch() {
   });
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -11,7 +11,7 @@
 #include <optional>
 #include <stop_token>
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 class WatchedWork : public std::enable_shared_from_this<WatchedWork> {
  public:
@@ -35,4 +35,4 @@ class WatchedWork : public std::enable_shared_from_this<WatchedWork> {
   std::chrono::steady_clock::time_point since_;  // set before begun_
 };
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

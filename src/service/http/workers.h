@@ -17,7 +17,7 @@
 
 #include "src/service/http/turns.h"
 
-namespace tessera::http {
+namespace tessera::service::http {
 
 // Each kind of work has its own threads, so that no kind delays another.
 struct Workers {
@@ -72,4 +72,4 @@ boost::asio::awaitable<std::optional<std::invoke_result_t<const Work&>>> on_work
       asio::use_awaitable);
 }
 
-}  // namespace tessera::http
+}  // namespace tessera::service::http

@@ -13,7 +13,7 @@
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -94,4 +94,4 @@ Reply<void> Inputs::remove_upload(std::string_view folder, std::string_view file
   return uploads_->remove(folder, file, caller);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 #include "src/service/inputs/roots.h"
 #include "src/service/inputs/uploads.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class Inputs final : public InputsBackend {
  public:
@@ -27,4 +27,4 @@ class Inputs final : public InputsBackend {
   Uploads* uploads_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

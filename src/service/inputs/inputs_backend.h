@@ -9,7 +9,7 @@
 #include "src/service/caller.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Receives the bytes of an upload as they come. The file gets its name in finish().
 class Upload {
@@ -36,4 +36,4 @@ class InputsBackend {
   virtual Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) = 0;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -11,7 +11,7 @@
 #include "src/base/ledger.h"
 #include "src/service/beneath.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -61,4 +61,4 @@ std::optional<std::string> from_folder(const std::string& path, const fs::path& 
   return path.substr(begin.size());
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -10,7 +10,7 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 enum class KindBeneath : std::uint8_t { file, folder, other };
 
@@ -35,4 +35,4 @@ bool goes_up(const std::string& path);
 // `path` relative to `folder`, when it is absolute and below the folder.
 std::optional<std::string> from_folder(const std::string& path, const std::filesystem::path& folder);
 
-}  // namespace tessera
+}  // namespace tessera::service

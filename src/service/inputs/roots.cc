@@ -19,7 +19,7 @@
 #include "src/service/beneath.h"
 #include "src/service/inputs/look_beneath.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -240,4 +240,4 @@ Result<std::vector<std::string>> Roots::files(const std::vector<std::string>& in
   return all;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include "src/base/result.h"
 #include "src/service/inputs/look_beneath.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // An entry of a folder below a root, which a job may name.
 struct RootEntry {
@@ -57,4 +57,4 @@ class Roots {
   std::vector<Root> uploads_;  // at most one
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -10,7 +10,7 @@
 #include "src/input/format.h"
 #include "src/service/inputs/roots.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr std::string_view uploads = "upload:";
@@ -89,4 +89,4 @@ Result<std::vector<RootEntry>> Roots::list(const std::string& folder) const {
   return entries;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

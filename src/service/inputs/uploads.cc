@@ -20,7 +20,7 @@
 #include "src/service/processes/costs.h"
 #include "src/service/results/owners.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -274,4 +274,4 @@ Reply<std::unique_ptr<Upload>> Uploads::begin(std::string_view folder, std::stri
   return std::unique_ptr<Upload>(std::make_unique<Sending>(*this, std::move(path), std::move(handle).value()));
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -15,7 +15,7 @@
 #include "src/service/inputs/inputs_backend.h"
 #include "src/service/staging_folder.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct UploadLimits {
   std::uint64_t bytes = 0;          // of all uploads together; 0: what the disk has
@@ -68,4 +68,4 @@ class Uploads {
   Used used_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -11,7 +11,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/results/owners.h"
 
-namespace tessera {
+namespace tessera::service {
 
 using std::chrono::system_clock;
 
@@ -164,4 +164,4 @@ Result<std::string> Admission::owner_of_result(const std::string& name) {
   return job == table_.jobs.end() ? std::string() : job->second->record.caller();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

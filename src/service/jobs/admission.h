@@ -14,7 +14,7 @@
 #include "src/service/reply.h"
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class Admission {
  public:
@@ -48,4 +48,4 @@ class Admission {
   ResultFolders& folders_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

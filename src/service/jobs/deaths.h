@@ -6,7 +6,7 @@
 
 #include "job_record.pb.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // `done` is the number of tiles that are kept when the process dies. Returns true when it exceeds what any attempt has
 // reached by at least a hundredth of the job. So the deaths of a job that always dies at the same place are counted,
@@ -16,4 +16,4 @@ inline bool gets_on(const proto::JobRecord& job, std::uint64_t done, std::uint32
   return died && done >= job.reached() + std::max<std::uint64_t>(1, tiles / 100);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -10,7 +10,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/thread_name.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -167,4 +167,4 @@ void Events::deliver() {
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -16,7 +16,7 @@
 #include "src/base/result.h"
 #include "src/service/staging_folder.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class Events {
  public:
@@ -61,4 +61,4 @@ class Events {
   std::thread thread_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

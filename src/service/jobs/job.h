@@ -10,7 +10,7 @@
 #include "src/base/progress.h"
 #include "src/service/jobs/job_state.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The state of a job while a thread works on it.
 struct Running {
@@ -30,4 +30,4 @@ struct Job {
   bool waits_or_runs() const { return is(job_state::accepted) || is(job_state::running); }
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
-namespace tessera::job_state {
+namespace tessera::service::job_state {
 
 inline constexpr const char* accepted = "accepted";
 inline constexpr const char* running = "running";
@@ -17,4 +17,4 @@ inline bool is_one(std::string_view text) {
   return std::find(std::begin(all), std::end(all), text) != std::end(all);
 }
 
-}  // namespace tessera::job_state
+}  // namespace tessera::service::job_state

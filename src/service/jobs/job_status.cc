@@ -7,7 +7,7 @@
 #include "src/job/report/progress_line.h"
 #include "src/service/processes/kinds.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using std::chrono::steady_clock;
@@ -84,4 +84,4 @@ proto::StatusInfo status_of(const Job& job) {
   return status;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -16,7 +16,7 @@
 #include "src/service/json.h"
 #include "src/service/naming.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -163,4 +163,4 @@ Status JobStore::write_outcome(const std::string& id, std::string_view json) {
   return desk_.write(job_outcome_file(folder(id)), json);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

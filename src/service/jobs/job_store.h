@@ -15,7 +15,7 @@
 #include "src/base/result.h"
 #include "src/service/staging_folder.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class JobStore {
  public:
@@ -62,4 +62,4 @@ class JobStore {
   SharedSync new_folders_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -14,7 +14,7 @@
 #include "src/service/problem.h"
 #include "src/service/processes/kinds.h"
 
-namespace tessera {
+namespace tessera::service {
 
 using std::chrono::system_clock;
 
@@ -275,4 +275,4 @@ void JobTable::forget_or_warn(const std::shared_ptr<Job>& job) {
   if (const auto gone = forget(job); !gone) warn(gone.error().where);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

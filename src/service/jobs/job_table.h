@@ -31,7 +31,7 @@
 #include "src/service/naming.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // What the table calls. Each may be empty.
 struct JobTableHooks {
@@ -116,4 +116,4 @@ class JobTable {
   const JobTableHooks hooks_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

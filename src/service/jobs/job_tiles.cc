@@ -8,7 +8,7 @@
 #include "src/base/phases.h"
 #include "src/tiling/partition.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr char letter(TileStatus stage) { return static_cast<char>(stage); }
@@ -71,4 +71,4 @@ Status tell_stored(const Manifest& manifest, bool with_layout, proto::JobTiles& 
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

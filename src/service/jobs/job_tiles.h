@@ -6,11 +6,11 @@
 #include "src/base/result.h"
 #include "src/result/store/tile_store.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The tiles of a triangulation that runs.
 void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& tiles);
 // The tiles of a stored result. Error: that of Partition::from_json().
 Status tell_stored(const Manifest& manifest, bool with_layout, proto::JobTiles& tiles);
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -16,7 +16,7 @@
 #include "src/service/problem.h"
 #include "src/service/processes/kinds.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using std::chrono::system_clock;
@@ -218,4 +218,4 @@ Reply<std::unique_ptr<Subscription>> Jobs::subscribe(std::string_view id, std::u
   return std::unique_ptr<Subscription>(std::make_unique<Handle>(table_.events, std::move(listener)));
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

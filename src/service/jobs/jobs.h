@@ -10,7 +10,7 @@
 #include "src/service/jobs/jobs_backend.h"
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class Jobs final : public JobsBackend {
  public:
@@ -36,4 +36,4 @@ class Jobs final : public JobsBackend {
   ResultFolders& folders_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

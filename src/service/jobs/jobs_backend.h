@@ -12,7 +12,7 @@
 #include "src/service/caller.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct JobQuery {
   std::vector<std::string> states = {}, processes = {};  // empty: all
@@ -52,4 +52,4 @@ class JobsBackend {
   virtual Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) = 0;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -6,10 +6,10 @@
 
 #include "src/base/files/checksum.h"
 #include "src/job/report/human.h"
-#include "src/service/processes/kinds.h"
 #include "src/service/problem.h"
+#include "src/service/processes/kinds.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // Smaller records, which are most, are not changed.
@@ -54,4 +54,4 @@ void drop_inputs(proto::JobRecord& job) {
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -7,7 +7,7 @@
 
 #include "job_record.pb.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Limits of the inputs' size as protobuf: of one job, and of all waiting and running jobs of a caller. For ended jobs
 // the limit is also per caller: beyond it, jobs are forgotten as beyond their number.
@@ -25,4 +25,4 @@ bool same_inputs(const proto::JobRecord& job, const proto::Inputs& inputs);
 // Drops most inputs of a job that will not run again: lists and long texts. Names of what the job read and made stay.
 void drop_inputs(proto::JobRecord& job);
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -4,7 +4,7 @@
 
 #include "src/base/thread_name.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using std::chrono::steady_clock;
@@ -56,4 +56,4 @@ void Upkeep::run() {
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

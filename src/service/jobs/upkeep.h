@@ -11,7 +11,7 @@
 
 #include "src/service/jobs/job_table.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct UpkeepOptions {
   std::chrono::seconds retention{0};  // ended jobs are forgotten after it; 0: never
@@ -43,4 +43,4 @@ class Upkeep {
   std::thread thread_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -10,7 +10,7 @@
 #include "src/service/jobs/kept_inputs.h"
 #include "src/service/problem.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using std::chrono::system_clock;
@@ -197,4 +197,4 @@ void Workers::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
   if (const auto discarded = hooks_.discard(replaced); !discarded) table_.warn(discarded.error().where);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -14,20 +14,20 @@
 #include "src/service/processes/job_work.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // What the threads call; all but `work` may be empty.
 struct WorkersHooks {
   // Does the work of a job. An exception ends that job, and nothing else.
   std::function<Reply<JobDone>(const JobWork&)> work;
   // Gives what the job has made its name. Returns a folder for `discard`; may be empty.
-  std::function<Reply<std::filesystem::path>(const proto::JobRecord&)> publish;
+  std::function<Reply<std::filesystem::path>(const proto::JobRecord&)> publish = {};
   // Removes the files of what was replaced; may take long.
-  std::function<Status(const std::filesystem::path&)> discard;
+  std::function<Status(const std::filesystem::path&)> discard = {};
   // True while nodes that still work on a job of before may be about to join.
-  std::function<bool()> gathering;
+  std::function<bool()> gathering = {};
   // The bounds of a job's memory and disk.
-  std::function<Ledger::Bounds()> bounds;
+  std::function<Ledger::Bounds()> bounds = {};
 };
 
 class Workers {
@@ -57,4 +57,4 @@ class Workers {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

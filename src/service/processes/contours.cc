@@ -10,7 +10,7 @@
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 std::string usual_lines(const proto::Inputs& /*inputs*/) { return contours_of_result("").filename().string(); }
@@ -52,4 +52,4 @@ constinit const Process contours_process{
     .estimate = estimate_contours,
     .run = run_contours};
 
-}  // namespace tessera
+}  // namespace tessera::service

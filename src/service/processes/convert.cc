@@ -14,7 +14,7 @@
 #include "src/service/json.h"
 #include "src/tiling/partition.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // "crop: is an empty box", with a mark for the option.
@@ -221,4 +221,4 @@ Result<ExportOptions> export_options(const proto::ExportInputs& inputs) {
   return options;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

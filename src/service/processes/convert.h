@@ -12,7 +12,7 @@
 #include "src/result/export/export.h"
 #include "src/result/verify/verify.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The threads and the memory of one job of the service.
 struct JobShare {
@@ -61,4 +61,4 @@ Result<JobShare> share_of_job(const Inputs& inputs, const JobShare& share) {
 
 std::vector<std::string> list_of(const google::protobuf::RepeatedPtrField<std::string>& texts);
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -12,10 +12,10 @@
 #include "src/job/report/human.h"
 #include "src/result/terrain/grid.h"
 #include "src/result/tileset/tileset.h"
-#include "src/service/processes/kinds.h"
 #include "src/service/problem.h"
+#include "src/service/processes/kinds.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // The vertices and pixels that a thread reads or writes in a second (docs/terrain.md).
@@ -142,4 +142,4 @@ Result<bool> any_packed(const std::vector<std::string>& files) {
   return false;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

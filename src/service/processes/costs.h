@@ -22,7 +22,7 @@
 #include "src/service/reply.h"
 #include "src/tiling/budget/budget.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The bounds of one job of any kind: its disk, and what must stay free.
 Ledger::Bounds bounds_of_job(const ServiceLimits& limits, const std::filesystem::path& data);
@@ -56,4 +56,4 @@ Result<bool> any_packed(const std::vector<std::string>& files);
 // The most bytes that may be unpacked for one job.
 std::uint64_t unpacked_max(const ServiceLimits& limits, const std::filesystem::path& data);
 
-}  // namespace tessera
+}  // namespace tessera::service

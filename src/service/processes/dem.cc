@@ -10,7 +10,7 @@
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 std::string usual_raster(const proto::Inputs& /*inputs*/) { return dem_of_result("").filename().string(); }
@@ -52,4 +52,4 @@ constinit const Process dem_process{
     .estimate = estimate_dem,
     .run = run_dem};
 
-}  // namespace tessera
+}  // namespace tessera::service

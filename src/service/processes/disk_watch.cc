@@ -14,7 +14,7 @@
 #include "src/base/files/there.h"
 #include "src/base/thread_name.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using std::chrono::steady_clock;
@@ -70,4 +70,4 @@ Status DiskWatch::finish() {
   return look();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -7,7 +7,7 @@
 #include "src/base/ledger.h"
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Measures the folder from time to time, less often when measuring takes long, and draws the growth from the ledger. So
 // a job can exceed its bound by what it writes between two measurements.
@@ -27,4 +27,4 @@ class DiskWatch {
   std::jthread thread_;  // last, because it uses the others
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

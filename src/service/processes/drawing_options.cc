@@ -12,7 +12,7 @@
 #include "src/result/export/export.h"
 #include "src/result/tileset/tileset.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
@@ -143,4 +143,4 @@ Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const
   return options;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -11,7 +11,7 @@
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
@@ -77,4 +77,4 @@ constinit const Process export_process{.name = "export",
                                        .estimate = estimate_export,
                                        .run = run_export};
 
-}  // namespace tessera
+}  // namespace tessera::service

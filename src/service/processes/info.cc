@@ -11,7 +11,7 @@
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr std::size_t described_at_once_max = 10'000;  // files: some seconds
@@ -87,4 +87,4 @@ constinit const Process info_process{
     .check = check_info,
     .run = info};
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Returns what `tessera info --json` prints.
 Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInputs& inputs, const std::stop_token& stop);
@@ -17,4 +17,4 @@ Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInput
 Result<std::optional<proto::Problem>> takes_too_long(const Workshop& shop, const proto::InfoInputs& inputs,
                                                      std::uint64_t points_max);
 
-}  // namespace tessera
+}  // namespace tessera::service

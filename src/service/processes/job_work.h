@@ -12,7 +12,7 @@
 #include "src/base/ledger.h"
 #include "src/base/progress.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct JobWork {
   const proto::JobRecord& job;
@@ -28,4 +28,4 @@ struct JobDone {
   std::vector<std::pair<std::string, double>> seconds;  // by phase
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

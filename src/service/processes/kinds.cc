@@ -2,7 +2,7 @@
 
 #include "src/service/processes/table.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // The inputs of the process alone; null when there are none.
@@ -52,4 +52,4 @@ bool overwrites(const proto::Inputs& inputs) {
   return field != nullptr && message->GetReflection()->GetBool(*message, field);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -6,7 +6,7 @@
 
 #include "service.pb.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The process of the inputs: "triangulate", ...; empty when there are no inputs.
 std::string process_of(const proto::Inputs& inputs);
@@ -22,4 +22,4 @@ std::string result_read(const proto::Inputs& inputs);
 // True if the output may replace an existing one.
 bool overwrites(const proto::Inputs& inputs);
 
-}  // namespace tessera
+}  // namespace tessera::service

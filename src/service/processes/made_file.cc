@@ -10,7 +10,7 @@
 #include "src/base/json/json_text.h"
 #include "src/result/tileset/tileset.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -71,4 +71,4 @@ Reply<JobDone> done_with(const std::filesystem::path& folder, const std::string&
   return JobDone{json_text(outcome) + "\n", 0, {}};
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

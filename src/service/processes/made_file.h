@@ -18,7 +18,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Returns what `write` has made in the job's folder; on an error removes it. `begun` is the folder that `write` makes
 // first; it is kept when the job was interrupted, or found too little disk or memory for a time, so that the job can
@@ -80,4 +80,4 @@ Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> o
   return done_with(folder, to_json(made.value()), output);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

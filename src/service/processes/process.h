@@ -11,7 +11,7 @@
 #include "service.pb.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct JobDone;
 struct JobShare;
@@ -53,4 +53,4 @@ struct Process {
   bool estimated() const { return costs != Costs::unknown; }
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

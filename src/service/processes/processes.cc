@@ -10,7 +10,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/processes/table.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr std::size_t key_bytes_max = 255;
@@ -117,4 +117,4 @@ Reply<std::string> Processes::info(const proto::InfoInputs& inputs, const Caller
   return std::move(text).value();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include "src/service/processes/processes_backend.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class Processes final : public ProcessesBackend {
  public:
@@ -28,4 +28,4 @@ class Processes final : public ProcessesBackend {
   Admission& admission_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 #include "src/service/caller.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct Submitted {
   proto::StatusInfo status;
@@ -29,4 +29,4 @@ class ProcessesBackend {
   virtual Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) = 0;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

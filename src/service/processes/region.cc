@@ -23,7 +23,7 @@
 #include "src/service/processes/workshop.h"
 #include "src/tiling/budget/budget.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // All inputs that identify a cloud, as text.
@@ -192,4 +192,4 @@ constinit const Process region_process{
     .estimate = estimate_region,
     .run = run_region};
 
-}  // namespace tessera
+}  // namespace tessera::service

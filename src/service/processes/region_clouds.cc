@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // The current state of the file.
@@ -72,4 +72,4 @@ std::uint64_t RegionClouds::bytes() const {
   return bytes;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

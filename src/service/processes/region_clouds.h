@@ -13,7 +13,7 @@
 #include "src/base/result.h"
 #include "src/job/region_job.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Thread-safe.
 class RegionClouds {
@@ -43,4 +43,4 @@ class RegionClouds {
   std::list<Lent> clouds_;  // the most recently used first
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

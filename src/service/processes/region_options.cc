@@ -7,11 +7,11 @@
 
 #include "src/base/option.h"
 #include "src/result/query/area.h"
-#include "src/service/processes/convert.h"
 #include "src/service/json.h"
+#include "src/service/processes/convert.h"
 #include "src/tiling/budget/budget.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
@@ -62,4 +62,4 @@ Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const
   return options;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

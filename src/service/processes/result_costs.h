@@ -8,7 +8,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Fills in what an estimate says of a refusal.
 inline proto::Estimate judged(proto::Estimate estimate, const std::optional<proto::Problem>& refused) {
@@ -23,4 +23,4 @@ inline std::optional<proto::Problem> no_heights(const Manifest& manifest, const 
   return problem(400, "triangulation: '" + name + "' is a 3D result, which has no heights over a plane", Errc::usage);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

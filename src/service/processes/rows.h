@@ -3,7 +3,7 @@
 
 #include "src/service/processes/process.h"
 
-namespace tessera {
+namespace tessera::service {
 
 extern const Process contours_process;
 extern const Process dem_process;
@@ -14,4 +14,4 @@ extern const Process surface_process;
 extern const Process triangulate_process;
 extern const Process verify_process;
 
-}  // namespace tessera
+}  // namespace tessera::service

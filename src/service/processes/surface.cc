@@ -12,7 +12,7 @@
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 std::string usual_surface(const proto::Inputs& inputs) {
@@ -68,4 +68,4 @@ constinit const Process surface_process{
     .check_options = check_surface_options,
     .run = run_surface};
 
-}  // namespace tessera
+}  // namespace tessera::service

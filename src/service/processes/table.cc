@@ -9,7 +9,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/processes/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr std::array<const Process*, 8> table{&triangulate_process, &region_process, &verify_process,
@@ -46,4 +46,4 @@ Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {
   return done;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

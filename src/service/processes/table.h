@@ -8,7 +8,7 @@
 
 #include "src/service/processes/process.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // In the order of documents.
 std::span<const Process* const> all_processes();
@@ -21,4 +21,4 @@ const google::protobuf::FieldDescriptor& member_of(const Process& process);
 // problem names the bound.
 Reply<JobDone> do_work(const Workshop& shop, const JobWork& work);
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -18,7 +18,7 @@
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr std::size_t files_opened_max = 10'000;  // while a request waits: some seconds
@@ -49,7 +49,7 @@ proto::Problem failed_with(const Error& error, const std::optional<proto::Proble
                            const Workshop& shop, const JobWork& work) {
   if (error.code == Errc::interrupted) {
     work.log(folder.abandon_unless_resumable() ? "interrupted; what is done stays"
-                                  : "interrupted before there was anything to keep");
+                                               : "interrupted before there was anything to keep");
     return problem_of(error);
   }
   folder.abandon();
@@ -145,4 +145,4 @@ constinit const Process triangulate_process{
     .estimate = estimate_triangulate,
     .run = triangulate};
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -10,7 +10,7 @@
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // The problem of a comparison with CGAL, which is made in memory, when it needs more memory than there is.
@@ -58,4 +58,4 @@ constinit const Process verify_process{
     .check = check_verify,
     .run = verify};
 
-}  // namespace tessera
+}  // namespace tessera::service

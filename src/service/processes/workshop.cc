@@ -7,7 +7,7 @@
 #include "src/base/ledger.h"
 #include "src/service/problem.h"
 
-namespace tessera {
+namespace tessera::service {
 
 LockOptions lock_of_unfinished(const Workshop& shop, const std::stop_token& stop) {
   static constexpr std::chrono::milliseconds pause{200};
@@ -34,4 +34,4 @@ proto::Problem in_callers_words(const Workshop& shop, proto::Problem problem) {
   return reworded(std::move(problem), [&](const std::string& sentence) { return shop.roots.named(sentence); });
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

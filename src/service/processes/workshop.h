@@ -16,7 +16,7 @@
 #include "src/service/processes/region_clouds.h"
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct Workshop {
   Engine& engine;
@@ -40,4 +40,4 @@ std::optional<proto::Problem> check_files(const Workshop& shop,
 // Names inputs in the problem as callers name them, not by their paths on this machine.
 proto::Problem in_callers_words(const Workshop& shop, proto::Problem problem);
 
-}  // namespace tessera
+}  // namespace tessera::service

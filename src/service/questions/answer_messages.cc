@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 void tell(const Point& p, int dimension, google::protobuf::RepeatedField<double>& to) {
@@ -134,4 +134,4 @@ std::string answers_message(std::span<const Point> points, std::span<const query
   return all_of(points, values, options);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

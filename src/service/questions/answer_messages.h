@@ -15,7 +15,7 @@
 #include "src/result/query/stored_triangulation.h"
 #include "src/result/terrain/profile.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // The points of a proto::Points. In 2D their z is 0. Errors, all bad_input, which call the message the body: no such
 // message, no points, lists of different lengths, a number that is not finite.
@@ -33,4 +33,4 @@ std::string answers_message(std::span<const Point> points, std::span<const query
 std::string answers_message(std::span<const Point> points, std::span<const query::Interpolated> values,
                             const AnswerOptions& options);
 
-}  // namespace tessera
+}  // namespace tessera::service

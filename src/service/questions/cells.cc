@@ -7,7 +7,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 
 Result<QuestionAnswer> answer_cells(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRY(area, asked.area());
@@ -28,4 +28,4 @@ Result<QuestionAnswer> answer_cells(const OpenQuestion& asked) {
   return asked.file(exported.path, set.final);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 constexpr std::size_t places_max = 4096;
@@ -114,4 +114,4 @@ Reply<std::array<double, 4>> Collections::map_extent(std::string_view name) {
   return raster.value()->extent();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -12,7 +12,7 @@
 #include "src/service/questions/questions_backend.h"
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Thread-safe.
 class Collections {
@@ -38,4 +38,4 @@ class Collections {
   std::map<std::string, std::optional<Place>> places_;  // by the identity of the result
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 
 Result<QuestionAnswer> answer_contours(const OpenQuestion& asked) {
   ContourOptions options{.memory_bytes = asked.memory_bytes(), .threads = asked.ask.threads};
@@ -42,4 +42,4 @@ Result<QuestionAnswer> answer_contours(const OpenQuestion& asked) {
                     asked.reader.stored.knows(source_box(options).value_or(asked.reader.stored.manifest().bounds)));
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

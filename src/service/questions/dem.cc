@@ -10,7 +10,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 
 Result<QuestionAnswer> answer_dem(const OpenQuestion& asked) {
   DemOptions options{.memory_bytes = asked.memory_bytes(), .threads = asked.ask.threads};
@@ -45,4 +45,4 @@ Result<QuestionAnswer> answer_dem(const OpenQuestion& asked) {
   return asked.file(drawn.path, asked.reader.stored.knows(area.box));
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -19,7 +19,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -160,4 +160,4 @@ Result<QuestionAnswer> answer_features(const OpenQuestion& asked) {
   return answer;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

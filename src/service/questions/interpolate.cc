@@ -7,7 +7,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 Result<query::Method> parse_method(const std::string& text) {
@@ -39,4 +39,4 @@ Result<QuestionAnswer> answer_interpolate(const OpenQuestion& asked) {
   return finished(*answers, options.format, final);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

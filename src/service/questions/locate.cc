@@ -9,7 +9,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 QuestionAnswer location(const OpenQuestion& asked, const Point& p, const std::optional<query::CellDetails>& details,
@@ -72,4 +72,4 @@ Result<QuestionAnswer> answer_locate(const OpenQuestion& asked) {
   return asked.question.body ? locate_many(asked) : locate_one(asked);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 
 #include "src/base/json/json_text.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // Clipping by Liang and Barsky.
@@ -118,4 +118,4 @@ Result<bool> FeaturePage::add(std::uint64_t id, const nlohmann::ordered_json& pr
   return true;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

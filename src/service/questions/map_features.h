@@ -12,7 +12,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // True if a line, or the area of a ring whose last point is the first, has a point in common with a closed box.
 bool line_meets(std::span<const Point> line, const Bounds& box);
@@ -57,4 +57,4 @@ class FeaturePage {
   std::string text_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -10,7 +10,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 
 Result<QuestionAnswer> answer_map_tile(const OpenQuestion& asked) {
   const auto number = [&](const char* key) {
@@ -31,4 +31,4 @@ Result<QuestionAnswer> answer_map_tile(const OpenQuestion& asked) {
   return QuestionAnswer{.text = std::move(image), .type = "image/png", .final = !asked.is_part()};
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

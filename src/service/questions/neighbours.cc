@@ -5,7 +5,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 proto::Neighbours message_of(const query::Neighbours& found, bool part) {
@@ -28,4 +28,4 @@ Result<QuestionAnswer> answer_neighbours(const OpenQuestion& asked) {
   return QuestionAnswer{.text = json_of(found, asked.is_part()), .type = json_type, .final = found.final};
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -19,7 +19,7 @@
 #include "src/service/json.h"
 #include "src/service/questions/answer_messages.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 std::string type_of(AnswerFormat format) {
@@ -183,4 +183,4 @@ Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format, bool 
   return QuestionAnswer{.text = std::move(text), .type = type_of(format), .final = final};
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -19,7 +19,7 @@
 #include "src/service/questions/questions_backend.h"
 #include "src/service/questions/readers.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class OpenQuestion {
  public:
@@ -95,4 +95,4 @@ bool all_final(const auto& answers) {
   return true;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

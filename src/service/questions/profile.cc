@@ -15,7 +15,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -80,4 +80,4 @@ Result<QuestionAnswer> answer_profile(const OpenQuestion& asked) {
   return answer;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -19,7 +19,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/table.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 // Errors name files of the result as the caller knows them, however the files were opened (path_of()).
@@ -82,7 +82,7 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   const Ledger::Use use(&ledger);
   auto answer = [&]() -> Result<QuestionAnswer> {
     try {
-      return tessera::answer(OpenQuestion(reader, question, limits_, folder.value().path(), ledger.token()));
+      return service::answer(OpenQuestion(reader, question, limits_, folder.value().path(), ledger.token()));
     } catch (const Stopped& stopped) {
       return error(Errc::interrupted, stopped.what());
     }
@@ -95,4 +95,4 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -18,7 +18,7 @@
 #include "src/service/questions/readers.h"
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 
 struct QuestionLimits {
   std::uint64_t memory_bytes = std::uint64_t{128} << 20;  // half for open results; a question has a quarter of the rest
@@ -61,4 +61,4 @@ class Questions final : public QuestionsBackend {
   Collections maps_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

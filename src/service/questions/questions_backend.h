@@ -12,7 +12,7 @@
 
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // A question to a result, with options as text. The service reads options as the commands do.
 struct Question {
@@ -92,4 +92,4 @@ class QuestionsBackend {
   virtual Reply<std::array<double, 4>> map_extent(std::string_view name) = 0;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

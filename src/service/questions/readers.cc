@@ -5,7 +5,7 @@
 
 #include "src/service/beneath.h"
 
-namespace tessera {
+namespace tessera::service {
 
 Result<std::shared_ptr<Reader>> Readers::open(std::string_view name) {
   // Without the lock, because this reads the disk.
@@ -55,4 +55,4 @@ std::size_t Readers::count() const {
   return readers_.size();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

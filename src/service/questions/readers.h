@@ -15,7 +15,7 @@
 #include "src/result/query/stored_triangulation.h"
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // An open result. It stays the same result, even when another one gets its name.
 struct Reader {
@@ -50,4 +50,4 @@ class Readers {
   std::list<std::shared_ptr<Reader>> readers_;  // the most recently used first
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

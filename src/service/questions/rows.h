@@ -4,7 +4,7 @@
 #include "src/base/result.h"
 #include "src/service/questions/questions_backend.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class OpenQuestion;
 
@@ -22,4 +22,4 @@ Result<QuestionAnswer> answer_section(const OpenQuestion& asked);
 Result<QuestionAnswer> answer_solids(const OpenQuestion& asked);
 Result<QuestionAnswer> answer_star(const OpenQuestion& asked);
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 Result<QuestionAnswer> shown(const OpenQuestion& asked, const tileset::Shape& shape, const query::CellSet& cells) {
@@ -71,4 +71,4 @@ Result<QuestionAnswer> answer_solids(const OpenQuestion& asked) {
   return shown(asked, tileset::solids_shape(cells, shrink), cells);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -4,7 +4,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 
 Result<QuestionAnswer> answer_star(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRY(vertex, asked.vertex());
@@ -16,4 +16,4 @@ Result<QuestionAnswer> answer_star(const OpenQuestion& asked) {
       .text = json_of(vertex, asked.dimension, star, asked.is_part()), .type = json_type, .final = star.final};
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

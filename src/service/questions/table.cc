@@ -6,7 +6,7 @@
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 using About = Question::About;
@@ -39,4 +39,4 @@ Result<QuestionAnswer> answer(const OpenQuestion& asked) {
   return row->answer(asked);
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -4,7 +4,7 @@
 #include "src/base/result.h"
 #include "src/service/questions/questions_backend.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class OpenQuestion;
 
@@ -12,4 +12,4 @@ class OpenQuestion;
 // src/service/http/question_handlers.cc.
 Result<QuestionAnswer> answer(const OpenQuestion& asked);
 
-}  // namespace tessera
+}  // namespace tessera::service

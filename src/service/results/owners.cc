@@ -4,7 +4,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 
-namespace tessera {
+namespace tessera::service {
 
 bool may_remove(const std::string& owner, const Caller& caller) {
   return caller.role >= Role::admin || (caller.role >= Role::submit && !owner.empty() && owner == caller.name);
@@ -24,4 +24,4 @@ Status set_owner(StagingFolder& desk, const std::filesystem::path& path, const s
 
 Status forget_owner(const std::filesystem::path& path) { return remove_file(owner_file(path)); }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -9,7 +9,7 @@
 #include "src/service/caller.h"
 #include "src/service/staging_folder.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // True if the caller may remove what `owner` has made, and so replace it. `owner` is empty when unknown, as for files
 // from before owners were kept.
@@ -22,4 +22,4 @@ Result<std::string> owner_of(const std::filesystem::path& path);
 Status set_owner(StagingFolder& desk, const std::filesystem::path& path, const std::string& owner);
 Status forget_owner(const std::filesystem::path& path);
 
-}  // namespace tessera
+}  // namespace tessera::service

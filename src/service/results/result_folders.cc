@@ -20,7 +20,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/results/owners.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -207,4 +207,4 @@ Reply<ServedFile> ResultFolders::file(std::string_view name, std::string_view pa
   return sent.value();
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -21,7 +21,7 @@
 #include "src/service/reply.h"
 #include "src/service/staging_folder.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class ResultFolders {
  public:
@@ -103,4 +103,4 @@ std::string media_type_of(const std::filesystem::path& path);
 Result<ServedFile> served(FileHandle file, const std::filesystem::path& path, const std::string& type,
                           std::string etag);
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -13,7 +13,7 @@
 #include "src/service/results/owners.h"
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -192,4 +192,4 @@ Result<fs::path> ResultFolders::take_away(std::string_view name) {
   return gone;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -19,7 +19,7 @@
 #include "src/service/processes/kinds.h"
 #include "src/service/results/owners.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 namespace {
 
@@ -207,4 +207,4 @@ Reply<proto::ExportList> Results::exports(std::string_view name, std::uint32_t l
   return list;
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -12,7 +12,7 @@
 #include "src/service/results/result_folders.h"
 #include "src/service/results/results_backend.h"
 
-namespace tessera {
+namespace tessera::service {
 
 class Results final : public ResultsBackend {
  public:
@@ -35,4 +35,4 @@ class Results final : public ResultsBackend {
   Questions& questions_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 #include "src/service/caller.h"
 #include "src/service/reply.h"
 
-namespace tessera {
+namespace tessera::service {
 
 // Thread-safe. Lists are sorted by name, and come in pages: at most `limit` names, those after the name `after`.
 class ResultsBackend {
@@ -26,4 +26,4 @@ class ResultsBackend {
   virtual Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) = 0;
 };
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -8,7 +8,7 @@
 
 #include "src/service/results/result_folders.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace fs = std::filesystem;
 
 std::string media_type_of(const fs::path& path) {
@@ -40,4 +40,4 @@ Result<ServedFile> served(FileHandle file, const fs::path& path, const std::stri
                     etag.empty() ? "" : "\"" + etag + "\""};
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

@@ -28,7 +28,7 @@
 #include "src/service/questions/answer_messages.h"
 #include "tests/http/fake_backend.h"
 
-namespace tessera {
+namespace tessera::service {
 
 inline void must(bool holds) {
   if (!holds) std::abort();
@@ -160,4 +160,4 @@ inline void take_inputs(std::string_view bytes) {
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::service

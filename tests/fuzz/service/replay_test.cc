@@ -9,7 +9,7 @@
 
 #include "tests/fuzz/service/ask_stranger.h"
 
-namespace tessera {
+namespace tessera::service {
 namespace {
 
 TEST(AskReplay, EveryKnownRequestIsAnsweredAndEveryBodyIsTakenOrRefused) {
@@ -29,4 +29,4 @@ TEST(AskReplay, EveryKnownRequestIsAnsweredAndEveryBodyIsTakenOrRefused) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::service
