@@ -15,7 +15,7 @@ usage() {
 ./tessera.sh test [ARGS]      build and run the tests but for the long ones of tests/nightly_tests.txt; with ARGS for ctest,
                               those that ARGS choose (-R splay); the last line says what was skipped, and why
 ./tessera.sh nightly          the long tests; and the engine against CGAL: every set x partition x tiles x threads (many hours)
-./tessera.sh tidy             clang-tidy over the sources
+./tessera.sh tidy [REVISION]  clang-tidy over the sources; with a revision, over those that have changed since
 ./tessera.sh format           clang-format over the sources
 ./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang
 TEXT
@@ -56,8 +56,17 @@ sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'be
 tidy() {
   deploy/install-deps.sh build test clang
   build all
-  sources | grep -v -E '^(tests|bench)/' | xargs grep -L -E 'caf/|boost/asio|actors/' |
-    xargs -P "$jobs" -n 4 clang-tidy -p $build_folder --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option
+  # Clang does not read the precompiled headers of GCC.
+  mkdir -p build/tidy
+  sed -E 's/-Winvalid-pch//g; s/-include [^ "]*cmake_pch\.hxx//g' $build_folder/compile_commands.json > build/tidy/compile_commands.json
+  sources | grep -v -E '^(tests|bench)/' | changed_since "${1:-}" | xargs -r grep -L -E 'caf/|boost/asio|actors/' |
+    xargs -r -P "$jobs" -n 4 clang-tidy -p build/tidy --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option
+}
+
+# Of the files in its input, those that have changed since a revision; all without one.
+changed_since() {
+  [[ -n $1 ]] || { cat; return; }
+  grep -F -x -f <(git diff --name-only --diff-filter=d "$1") || true
 }
 
 # A regular expression for the names of the tests that take too long for every change.
@@ -90,7 +99,7 @@ case "${1:-help}" in
   serve) shift; serve "$@" ;;
   test) shift; run_tests "$@" ;;
   nightly) nightly ;;
-  tidy) tidy ;;
+  tidy) shift; tidy "$@" ;;
   format) deploy/install-deps.sh clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;
   deps) shift; deploy/install-deps.sh "$@" ;;
   help|-h|--help) usage ;;

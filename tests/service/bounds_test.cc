@@ -11,8 +11,10 @@
 #include "src/base/ledger.h"
 #include "src/job/engine_steps.h"
 #include "src/result/tileset/tileset.h"
+#include "src/service/processes/job_work.h"
 #include "src/service/processes/kinds.h"
-#include "src/service/processes/work.h"
+#include "src/service/processes/table.h"
+#include "src/service/processes/workshop.h"
 #include "src/service/staging_folder.h"
 #include "tests/service/service_testing.h"
 

@@ -10,6 +10,7 @@
 #include "src/service/http/openapi.h"
 #include "src/service/http/processes.h"
 #include "src/service/http/tokens.h"
+#include "src/service/processes/table.h"
 
 namespace tessera::service::http {
 namespace {

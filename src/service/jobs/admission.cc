@@ -88,7 +88,7 @@ Reply<Submitted> Admission::welcome(const std::shared_ptr<Job>& job, const Statu
 }
 
 std::optional<proto::Problem> Admission::conflict(const proto::JobRecord& job, const Caller& caller) {
-  if (const auto against = beside_others(job)) return against;
+  if (auto against = beside_others(job)) return against;
   return in_its_place(job, caller);
 }
 

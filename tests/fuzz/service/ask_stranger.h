@@ -25,6 +25,7 @@
 #include "src/service/http/tokens.h"
 #include "src/service/json.h"
 #include "src/service/processes/convert.h"
+#include "src/service/processes/table.h"
 #include "src/service/questions/answer_messages.h"
 #include "tests/http/fake_backend.h"
 
@@ -134,12 +135,12 @@ inline void take_inputs(std::string_view bytes) {
     must(points ? std::all_of(points.value().begin(), points.value().end(), is_finite) : !points.error().where.empty());
   }
   const JobShare share{2, std::uint64_t{1} << 30};
-  for (const auto& process : http::processes()) {
+  for (const Process* process : all_processes()) {
     for (const char* type : {"application/json", "application/x-protobuf"}) {
       http::Request request;
       request.headers.emplace_back("content-type", type);
       request.body = bytes;
-      const auto inputs = http::read_inputs(process, request);
+      const auto inputs = http::read_inputs(*process, request);
       if (!inputs) {
         must(!inputs.error().where.empty());
         continue;
