@@ -162,7 +162,7 @@ void Schedule::note_done(TileId id, Work work, std::uint64_t bytes, const Waitin
   }
   if (woken) --asleep_;
   if (work != Work::sleep) tile.held = bytes;
-  set_memory(tile, bytes + waiting.bytes + tile.storing);
+  set_memory(tile, bytes + waiting.memory + tile.storing);
   link(id);
 }
 

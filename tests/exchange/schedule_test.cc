@@ -69,6 +69,18 @@ TEST(Schedule, AnEmptyUpdateIsProcessedToo) {
   EXPECT_EQ(granted(schedule), "step 0");
 }
 
+// Mail that was moved to the disk waits, too, and takes no memory.
+TEST(Schedule, CountsTheMemoryOfMailAndNotItsBytes) {
+  Schedule schedule(options(1, 1000), {10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.note_done(TileId{0}, Work::begin, 100, {9, 900, 20});
+  EXPECT_EQ(schedule.memory(), 120u);
+  EXPECT_EQ(granted(schedule), "begin 1");
+  schedule.note_mail(TileId{0}, {10, 950, 30});
+  schedule.note_done(TileId{1}, Work::begin, 50, {});
+  EXPECT_EQ(schedule.memory(), 180u);
+}
+
 TEST(Schedule, MakesRoomByPuttingToSleepNoMoreTilesThanNeeded) {
   Schedule schedule(options(4, 350), {10, 10, 10, 20});
   EXPECT_EQ(granted(schedule), "begin 0, begin 1, begin 2");
