@@ -16,7 +16,7 @@
 #include "src/job/describe.h"
 #include "src/job/version.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 void print(const Measured& measured, const OutputOptions& output) {
@@ -103,4 +103,4 @@ Command add_columns(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps
