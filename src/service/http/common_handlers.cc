@@ -85,7 +85,7 @@ Answer conformance(const Call&) {
 Answer process_list(const Call& call) {
   ordered_json list{{"processes", ordered_json::array()}, {"links", ordered_json::array()}};
   for (const Process* process : all_processes())
-    list["processes"].push_back(process_summary(process, call.context.links, call.request));
+    list["processes"].push_back(process_summary(*process, call.context.links, call.request));
   list["links"].push_back(
       {{"href", call.context.links.to(call.request, "/v1/processes")}, {"rel", "self"}, {"type", json}});
   return json_answer(200, json_text(list));

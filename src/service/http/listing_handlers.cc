@@ -14,7 +14,7 @@ constexpr const char* map_relation = "http://www.opengis.net/def/rel/ogc/1.0/til
 // Adds links to the export's bytes and to what shows it: a map, features, a tileset.
 void add_links(const Call& call, proto::ExportInfo& made) {
   const Links& links = call.context.links;
-  Backend& backend = *call.context.backend;
+  const Backend& backend = *call.context.backend;
   const std::string& name = call.arguments[0];
   const std::string self = triangulation_path(name);
   made.clear_links();
