@@ -18,7 +18,7 @@
 #include "tests/http/fake_backend.h"
 
 int main(int argc, char** argv) {
-  using namespace tessera;
+  using namespace tessera::service;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("http"));
   const std::filesystem::path folder = argv[1];
   std::map<std::string, std::string> given;

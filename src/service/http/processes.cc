@@ -8,6 +8,7 @@
 #include "src/service/http/schema.h"
 #include "src/service/json.h"
 #include "src/service/processes/table.h"
+#include "src/service/questions/questions_backend.h"
 
 namespace tessera::service::http {
 namespace {
