@@ -22,7 +22,7 @@ Result<QuestionAnswer> answer_cells(const OpenQuestion& asked) {
   const auto target = answer_file(asked.folder, "." + format);
   BOOST_OUTCOME_TRYV(find_export_target(target, options));
   BOOST_OUTCOME_TRY(set, asked.reader.stored.cells(area, most, asked.ask));
-  if (set.tiles.empty()) return error(Errc::bad_input, "no cell of the result meets the box or polygon");
+  if (set.tiles.empty()) return error(Errc::bad_input, "no cell meets the box or polygon");
   BOOST_OUTCOME_TRY(exported, export_cells(path_of(asked.reader.held.folder), asked.reader.stored.manifest(), set.mesh,
                                            set.tiles, target, options, asked.ask.stop));
   return asked.file(exported.path, set.final);

@@ -20,9 +20,8 @@ Result<QuestionAnswer> shown(const OpenQuestion& asked, const tileset::Shape& sh
 
 Status has_volume(const OpenQuestion& asked) {
   if (asked.dimension == 3) return success();
-  return error(
-      Errc::usage,
-      "this question is for 3D results, and the triangulation is 2D; export it in the format 3dtiles to view it");
+  return error(Errc::usage,
+               "this question is for 3D results, and this is a 2D result; export it in the format 3dtiles to view it");
 }
 
 }  // namespace
