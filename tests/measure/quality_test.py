@@ -128,7 +128,7 @@ class Quality(CliTest):
         self.ok("measure", self.out, "--quality")
         told = json.loads(self.ok("measure", self.out, "--volume", "--quality", "--json"))
         self.assertEqual((told["version"], told["made"], told["columns"]), (3, True, ["area", "star_area", *COLUMNS]))
-        self.refused(USAGE, "measure", self.out, says="there is nothing to measure; --volume and --quality measure cells")
+        self.refused(USAGE, "measure", self.out, says="there is nothing to measure; --volume and --quality measure cells, --voronoi")
 
 
 if __name__ == "__main__":

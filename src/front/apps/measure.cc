@@ -53,6 +53,8 @@ Status run_measure(Settings& settings, const std::string& folder, const std::vec
   options.volume = volume;
   BOOST_OUTCOME_TRY(quality, settings.on("quality"));
   options.quality = quality;
+  BOOST_OUTCOME_TRY(voronoi, settings.on("voronoi"));
+  options.voronoi = voronoi;
   BOOST_OUTCOME_TRY(memory, memory_option(settings));
   options.memory_bytes = memory;
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
@@ -79,9 +81,11 @@ Status run_columns(Settings& settings, const std::string& folder) {
 
 Command add_measure(CLI::App& root) {
   auto command = new_command(
-      root, "measure", "Computes columns of a result: volumes of cells and around vertices, shapes of cells",
+      root, "measure", "Computes columns of a result: volumes and shapes of cells, Voronoi cells of vertices",
       "  tessera measure out/ --volume                 (columns volume and star_volume; in 2D area, star_area)\n"
-      "  tessera measure out/ --quality                (columns radius_ratio, least_angle, largest_angle, circumradius)\n"
+      "  tessera measure out/ --quality                (columns radius_ratio, least_angle, largest_angle, "
+      "circumradius)\n"
+      "  tessera measure out/ --voronoi                (columns voronoi_volume, voronoi_neighbours, ...)\n"
       "  tessera measure out/ --volume --threads 4 --memory 2G\n"
       "  tessera columns out/                          (lists the columns)");
   add_switch(command, "volume",
@@ -90,6 +94,10 @@ Command add_measure(CLI::App& root) {
   add_switch(command, "quality",
              "the shape of each cell: radius_ratio (1: regular, 0: flat), least_angle and largest_angle in degrees (in "
              "3D between facets), circumradius",
+             0, true);
+  add_switch(command, "voronoi",
+             "the Voronoi cell of each vertex: voronoi_volume and voronoi_surface (2D: voronoi_area, voronoi_boundary; "
+             "infinite on the hull), voronoi_neighbours, and the centroid voronoi_x, voronoi_y, voronoi_z",
              0, true);
   add_threads_option(command);
   add_memory_option(command, "tiles");

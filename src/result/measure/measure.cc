@@ -103,12 +103,17 @@ std::string unit_of(const Manifest& manifest, int exponent) {
 }
 
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
-  if (!options.volume && !options.quality)
+  if (!options.volume && !options.quality && !options.voronoi)
     return error(Errc::usage, "there is nothing to measure; " + option("volume", "true") + " and " +
-                                  option("quality", "true") + " measure cells");
+                                  option("quality", "true") + " measure cells, " + option("voronoi", "true") +
+                                  " measures the Voronoi cells of vertices");
   // Also when the columns exist: this removes what an ended writer has left, and older versions.
   BOOST_OUTCOME_TRY(next, NewVersion::begin(out));
   const Manifest& manifest = next->source().manifest();
+  if (options.voronoi && manifest.region)
+    return error(Errc::usage, out.string() +
+                                  ": is a region, where not all cells around a vertex are known; Voronoi cells "
+                                  "need a whole triangulation");
   Measured measured;
   measured.folder = out;
   measured.version = manifest.version;
@@ -117,6 +122,7 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
   Measures wanted, missing;
   if (options.volume) wanted.push_back(measure_volumes(next->source(), stop));
   if (options.quality) wanted.push_back(measure_quality(next->source(), stop));
+  if (options.voronoi) wanted.push_back(measure_voronoi(next->source(), stop));
   std::vector<ResultColumn> columns;
   for (auto& one : wanted) {
     const auto own = one->columns();
@@ -141,6 +147,8 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
     one->finish(own);
     begin = std::copy(own.begin(), own.end(), begin);
     measured.infinite += one->infinite();
+    if (const std::string note = one->note(); !note.empty())
+      measured.note += (measured.note.empty() ? "" : "; ") + note;
   }
   measured.made = true;
   measured.version = next->number();

@@ -18,6 +18,8 @@ struct MeasureOptions {
   bool volume = false;
   // The shape of each cell: radius ratio, angles, circumradius (cell_quality.h).
   bool quality = false;
+  // The Voronoi cell of each vertex: volume, surface, number of neighbours, centroid; in 2D area and boundary.
+  bool voronoi = false;
   std::uint64_t memory_bytes = 0;         // at least the memory of one tile is used
   unsigned threads = 0;                   // 0: one
   std::vector<std::string> command = {};  // for the manifest

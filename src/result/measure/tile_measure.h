@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "src/base/result.h"
@@ -26,12 +27,17 @@ class TileMeasure {
   virtual void finish(std::vector<ResultColumn>& columns) const = 0;
   // How many values were too large for a double. Each cell and vertex counts once.
   virtual std::uint64_t infinite() const = 0;
+  // A sentence about the values; may be empty. Called after all tiles.
+  virtual std::string note() const { return ""; }
 };
 
 // The volume of each cell, and for each vertex the sum over the cells around it; in 2D areas in the plane.
 std::unique_ptr<TileMeasure> measure_volumes(const TileSource& source, std::stop_token stop);
 // The shape of each cell (cell_quality.h).
 std::unique_ptr<TileMeasure> measure_quality(const TileSource& source, std::stop_token stop);
+// The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid (voronoi_part.h). REQUIRES:
+// the result is a whole triangulation.
+std::unique_ptr<TileMeasure> measure_voronoi(const TileSource& source, std::stop_token stop);
 
 // The unit of lengths to the power of `exponent`; "" when it is not known or not the same on all axes.
 std::string unit_of(const Manifest& manifest, int exponent);

@@ -17,21 +17,11 @@ namespace {
 // For own vertices, the sum over the cells around, from the least value to the greatest, so that the order of the cells
 // does not matter. Zero for other vertices.
 std::vector<double> stars_of(const TileMesh& mesh, const std::vector<double>& volumes) {
-  const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
-  const auto is_own = [&](std::int32_t v) { return mesh.point_ghost[static_cast<std::size_t>(v)] == 0; };
-  // Collects the cells around each vertex by a counting sort.
-  std::vector<std::uint32_t> first(mesh.points.size() + 1, 0);
-  for (const std::int32_t v : mesh.cells) first[static_cast<std::size_t>(v) + 1] += is_own(v) ? 1 : 0;
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<std::uint32_t> around(first.back());
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (std::size_t i = 0; i < mesh.cells.size(); ++i)
-    if (is_own(mesh.cells[i]))
-      around[next[static_cast<std::size_t>(mesh.cells[i])]++] = static_cast<std::uint32_t>(i / corners);
+  const Stars around(mesh);
   std::vector<double> stars(mesh.points.size(), 0), values;
   for (std::size_t v = 0; v < stars.size(); ++v) {
     values.clear();
-    for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) values.push_back(volumes[around[i]]);
+    for (const std::uint32_t cell : around.of(v)) values.push_back(volumes[cell]);
     std::sort(values.begin(), values.end());
     stars[v] = std::accumulate(values.begin(), values.end(), 0.0);
   }
