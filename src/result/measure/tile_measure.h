@@ -27,8 +27,6 @@ class TileMeasure {
   virtual void finish(std::vector<ResultColumn>& columns) const = 0;
   // How many values were too large for a double. Each cell and vertex counts once.
   virtual std::uint64_t infinite() const = 0;
-  // A sentence about the values; may be empty. Called after all tiles.
-  virtual std::string note() const { return ""; }
 };
 
 // The volume of each cell, and for each vertex the sum over the cells around it; in 2D areas in the plane.

