@@ -147,8 +147,6 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
     one->finish(own);
     begin = std::copy(own.begin(), own.end(), begin);
     measured.infinite += one->infinite();
-    if (const std::string note = one->note(); !note.empty())
-      measured.note += (measured.note.empty() ? "" : "; ") + note;
   }
   measured.made = true;
   measured.version = next->number();
