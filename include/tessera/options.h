@@ -183,8 +183,8 @@ class TESSERA_PUBLIC MeasureRequest {
   // angles), and circumradius.
   MeasureRequest& quality(bool quality);
   // The Voronoi cell of each vertex, as columns voronoi_volume and voronoi_surface (in 2D voronoi_area and
-  // voronoi_boundary; infinite on the hull), voronoi_neighbours, and the centroid voronoi_x, voronoi_y, voronoi_z (NaN on
-  // the hull). Failure: also usage for a region.
+  // voronoi_boundary; infinite on the hull), voronoi_neighbours, and the centroid voronoi_x, voronoi_y, voronoi_z (NaN
+  // on the hull). Failure: also usage for a region.
   MeasureRequest& voronoi(bool voronoi);
   // The memory for tiles; 0, the default: 70 % of the free memory.
   MeasureRequest& memory_bytes(std::uint64_t bytes);
