@@ -174,7 +174,7 @@ class FullDisks(ClusterTest):
         job = self.submit("little-scratch", "--memory", "96M")
         self.assert_right(job)
         log = (self.data / "jobs" / job / "log.txt").read_text()
-        self.assertRegex(log, r"node b is lost: it cannot go on with its scratch folder \(node b: .*/scratch/b/.*No space left on device\)")
+        self.assertRegex(log, r"node b is lost: it cannot use its scratch folder \(node b: .*/scratch/b/.*No space left on device\)")
         self.assertEqual(self.job(job)["nodes_lost"], 1)
         self.fill(self.folder / "scratch")
         job = self.submit("no-scratch", "--memory", "96M")

@@ -68,7 +68,7 @@ class Promises(DaemonTest):
         self.assertEqual(daemon.end(), 0)
         log = daemon.messages()
         for line in (f"audit: submit (submit) from 127.0.0.1: POST /v1/processes/triangulate/execution: 201, ../../jobs/{job['jobID']}",
-                     f"audit: other (submit) from 127.0.0.1: DELETE /v1/jobs/{job['jobID']}: 403, job {job['jobID']} is another's",
+                     f"audit: other (submit) from 127.0.0.1: DELETE /v1/jobs/{job['jobID']}: 403, job {job['jobID']} belongs to another caller",
                      "audit: admin (admin) from 127.0.0.1: DELETE /v1/triangulations/block: 204",
                      "audit: nobody (none) from 127.0.0.1: GET /v1/jobs: 401, a token is needed",
                      "audit: read (read) from 127.0.0.1: POST /v1/processes/verify/execution: 403"):
