@@ -134,7 +134,7 @@ class Watch(ServerTest):
         self.job.tell("failed", problem={"detail": "a.laz: is damaged", "cause": BAD_INPUT})
         self.refused(BAD_INPUT, "watch", "j1", says="a.laz: is damaged")
         self.job.tell("dismissed", resumable=True)
-        self.refused(INTERRUPTED, "watch", "j1", says=["was cancelled", "'tessera resume j1' goes on"])
+        self.refused(INTERRUPTED, "watch", "j1", says=["was cancelled", "'tessera resume j1' continues it"])
         self.refused(USAGE, "watch", "j9", says="there is no job j9")
 
     def test_a_daemon_that_is_killed_and_comes_back_is_waited_for(self):

@@ -42,7 +42,7 @@ class Help(CliTest):
     def test_a_misspelt_command_is_answered_with_the_nearest(self):
         self.refused(USAGE, "triangualte", "a.las", says="'triangualte' is not a command; perhaps you mean 'triangulate'")
         self.refused(USAGE, "help", "verfy", says="perhaps you mean 'verify'")
-        self.refused(USAGE, "scan.las", says=["there are triangulate, verify, info, export", "tessera --help"])
+        self.refused(USAGE, "scan.las", says=["the commands are triangulate, verify, info, export", "tessera --help"])
 
     def test_nothing_and_nonsense_are_refused(self):
         self.refused(USAGE, says="--help")

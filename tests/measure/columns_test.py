@@ -146,7 +146,7 @@ class Columns(CliTest):
         rng = np.random.default_rng(6)
         np.savetxt(self.folder / "cloud.xyz", rng.random((3000, 3)))
         self.ok("region", self.folder / "cloud.xyz", "--bbox", "0.2,0.2,0.4,0.5", "-o", self.out, "--quiet")
-        self.assertIn("of a region", self.ok("measure", self.out, "--volume"))
+        self.assertIn("the result is a region", self.ok("measure", self.out, "--volume"))
         result = Measured(self.out)
         self.assertEqual(len(result.volumes), result.manifest["counts"]["cells"])
 

@@ -92,7 +92,7 @@ class Lines(unittest.TestCase):
             "b.tif", lambda path: self.ground.dem(path, res=1, bbox=self.box, hillshade=True, azimuth=90, altitude=30),
             "dem", "--res", 1, "--bbox", ",".join(map(repr, self.box)), "--hillshade", "--azimuth", 90, "--altitude", 30)
         self.assertNotEqual(plain.read_bytes(), lit.read_bytes())
-        with self.assertRaisesRegex(tessera.UsageError, "^hillshade=True: its pixels are bytes"):
+        with self.assertRaisesRegex(tessera.UsageError, "^hillshade=True: a shaded raster has pixels of bytes"):
             self.ground.dem(res=1, hillshade=True, doubles=True)
         for path, more in ((plain, {}), (lit, {"bbox": self.box, "azimuth": 90, "altitude": 30})):
             raster = self.ground.dem(res=1, hillshade=True, **more)
