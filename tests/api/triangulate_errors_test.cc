@@ -57,7 +57,7 @@ TEST_F(TriangulateErrors, OfOptionsAreUsage) {
   const auto points = cloud("uniform", 3, 100);
   auto options = small_job();
   options.threads(5000);
-  expect(failure_of([&] { triangulate(points, options); }), Cause::usage, "threads: 5000 are more than 1024");
+  expect(failure_of([&] { triangulate(points, options); }), Cause::usage, "threads: 5000 is more than the limit, 1024");
   options = small_job();
   options.attributes({"colour"});
   expect(failure_of([&] { triangulate(points, options); }), Cause::usage,

@@ -16,7 +16,7 @@ class Certs(CliTest):
 
     def test_an_authority_and_its_nodes_are_made_and_what_to_copy_is_said(self):
         said = self.ok("certs", "init", self.certs, "--name", "lyon")
-        for part in (f"{self.certs}/ca.pem: the authority of the cluster lyon, valid until ", f"{self.certs}/ca.key: its key",
+        for part in (f"{self.certs}/ca.pem: the authority of the cluster lyon, valid until ", f"{self.certs}/ca.key: the key of the authority",
                      f"tessera certs node {self.certs} NAME"):
             self.assertIn(part, said)
         said = self.ok("certs", "node", self.certs, "alpha", "10.0.0.7")

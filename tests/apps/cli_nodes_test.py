@@ -30,7 +30,7 @@ class Nodes(ServerTest):
         self.assertEqual(self.ok("nodes"), "there are no nodes\n")
 
     def test_one_is_drained(self):
-        self.assertEqual(self.ok("drain", "b c"), "node b c takes no more work, and its tiles go to others; its process ends\n")
+        self.assertEqual(self.ok("drain", "b c"), "node b c takes no more work, and its tiles go to other nodes; its process ends\n")
         self.assertIn("its process goes on as the coordinator", self.ok("drain", "a"))
         self.assertEqual([node["state"] for node in self.json_lines(self.ok("drain", "a", "--json"))], ["draining"])
         self.assertEqual(self.ok("drain", "a", "--quiet"), "")

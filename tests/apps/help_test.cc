@@ -48,7 +48,7 @@ TEST(ResolveCommand, LeavesTheRestAsItIs) {
 TEST(ResolveCommand, RefusesWhatIsNoCommand) {
   EXPECT_EQ(refused({}), "no command is given; see 'tessera --help'");
   EXPECT_EQ(refused({"foo", "-o", "x"}),
-            "'foo' is not a command; there are triangulate, verify, info, export; see 'tessera --help'");
+            "'foo' is not a command; the commands are triangulate, verify, info, export; see 'tessera --help'");
 }
 
 }  // namespace
