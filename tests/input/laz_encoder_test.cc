@@ -24,8 +24,13 @@ namespace {
 // The fields of a record that the encoder treats in ways of their own.
 struct Places {
   explicit Places(int format)
-      : time(format >= 6 ? 22 : format == 1 || format == 3 ? 20 : 0),
-        colour(format >= 7 ? 30 : format == 3 ? 28 : format == 2 ? 20 : 0),
+      : time(format >= 6                  ? 22
+             : format == 1 || format == 3 ? 20
+                                          : 0),
+        colour(format >= 7   ? 30
+               : format == 3 ? 28
+               : format == 2 ? 20
+                             : 0),
         first_extra(standard_record_bytes(format)) {}
   std::size_t time, colour, first_extra;  // 0: there is none
 };
@@ -35,8 +40,8 @@ Bytes random_records(int format, std::size_t record_bytes, std::size_t n, std::u
   std::mt19937_64 random(seed);
   const auto one_in = [&](std::uint64_t k) { return random() % k == 0; };
   const Places places(format);
-  constexpr std::array<std::int64_t, 12> steps{1000,     1000, 1000, 0, 7000, 30'000, 900'000, -50, -20'000,
-                                               INT32_MAX, INT32_MIN, std::int64_t{1} << 40};
+  constexpr std::array<std::int64_t, 12> steps{1000,    1000, 1000,    0,         7000,      30'000,
+                                               900'000, -50,  -20'000, INT32_MAX, INT32_MIN, std::int64_t{1} << 40};
   std::array<std::int64_t, 5> lines{0, 0x4100000000000000, -1, INT64_MIN, INT64_MAX};
   std::size_t line = 1;
   Bytes records(n * record_bytes);
@@ -179,8 +184,7 @@ TEST_P(EveryFormat, GivesBackFilesOfWholeChunksAndOfOnePointMore) {
 }
 
 TEST_P(EveryFormat, GivesBackFilesOfChunksOfAnySize) {
-  const auto layout =
-      laz::standard_layout(format(), record_bytes(), std::numeric_limits<std::uint32_t>::max());
+  const auto layout = laz::standard_layout(format(), record_bytes(), std::numeric_limits<std::uint32_t>::max());
   const std::vector<std::size_t> sizes{1, 200, 3, 70, 70, 1, 1000, 2};
   const Bytes records = random_records(format(), record_bytes(), 1347, 1);
   const auto read =

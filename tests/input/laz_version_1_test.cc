@@ -9,12 +9,15 @@
 #include <vector>
 
 #include "src/input/bytes/fields.h"
+#include "src/input/las_copy/integer_encoder.h"
 #include "tests/input/las_file.h"
-#include "tests/input/laz_encoder.h"
 #include "tests/input/laz_testing.h"
 
 namespace tessera::testing_io {
 namespace {
+
+using laz::ArithmeticEncoder;
+using laz::IntegerEncoder;
 
 constexpr std::size_t record_bytes = 36;  // format 3 and two extra bytes
 
@@ -47,8 +50,8 @@ class Version1Encoder {
     const auto dx = static_cast<std::int32_t>(load<std::uint32_t>(r) - load<std::uint32_t>(l));
     const auto dy = static_cast<std::int32_t>(load<std::uint32_t>(r + 4) - load<std::uint32_t>(l + 4));
     x_.next(encoder_, median(dx_), dx);
-    y_.next(encoder_, median(dy_), dy, std::min(x_.length, 19u));
-    const std::uint32_t length = (x_.length + y_.length) / 2;
+    y_.next(encoder_, median(dy_), dy, std::min(x_.length(), 19u));
+    const std::uint32_t length = (x_.length() + y_.length()) / 2;
     z_.next(encoder_, load<std::int32_t>(l + 8), load<std::int32_t>(r + 8), std::min(length, 19u));
     dx_[turn_ % 3] = dx;
     dy_[turn_++ % 3] = dy;
