@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -267,7 +268,7 @@ TEST_P(CopyOf, HasADimensionOnlyOnce) {
       sentence(make_copy(original(), to("once.laz"), {.packing = LasPacking::laz, .dimensions = {height, other_64}})),
       "");
   EXPECT_EQ(sentence(make_copy(to("once.laz"), to("twice.laz"), {.dimensions = {height_64}})),
-            to("once.laz").string() + ", extra bytes: the points already have a dimension HeightAboveGround");
+            to("once.laz").string() + ", extra bytes: the points already have a dimension 'HeightAboveGround'");
   EXPECT_EQ(left().size(), 1u);
   // The other dimension, which stands behind the one that is replaced, keeps its values.
   ASSERT_EQ(sentence(make_copy(to("once.laz"), to("once.laz"), {.dimensions = {height_64}, .replace = true})), "");
@@ -389,9 +390,9 @@ TEST_F(CopyByHand, SaysWhichDimensionsAndFilesCannotBeContinued) {
   };
   auto file = some_file(2, 0, 4);
   file.records = {{"LASF_Spec", 4, descriptor(31, 0, "odd")}};
-  EXPECT_EQ(refused(file), ", extra bytes: the dimension odd is of kind 31, whose size is not known; 0 to 30 are");
+  EXPECT_EQ(refused(file), ", extra bytes: the dimension 'odd' is of kind 31, whose size is not known; 0 to 30 are");
   file.records = {{"LASF_Spec", 4, descriptor(10, 0, "long")}};
-  EXPECT_EQ(refused(file), ", extra bytes: the dimension long ends behind the point record, which has 24 bytes");
+  EXPECT_EQ(refused(file), ", extra bytes: the dimension 'long' ends behind the point record, which has 24 bytes");
   file = some_file(2, 0, 341);
   Bytes many;
   for (int i = 0; i < 341; ++i) {
@@ -407,6 +408,20 @@ TEST_F(CopyByHand, SaysWhichDimensionsAndFilesCannotBeContinued) {
   EXPECT_EQ(refused(file),
             ", extra bytes: point records of 65539 bytes would be longer than LAS permits, which is 65535");
   EXPECT_EQ(refused(some_file(3, 4, 0)), ": has points of format 4, which hold waveforms; these are not copied");
+}
+
+TEST_F(CopyByHand, HasNoDimensionWithoutANameOrWithALongOne) {
+  const auto in = write(some_file(2, 0, 0));
+  const std::string long_name(33, 'a');
+  for (const ExtraDimension& wrong : {ExtraDimension{"", ""}, {long_name, ""}, {"a", long_name}}) {
+    const auto done = make_copy(in, to(), {.dimensions = {wrong}});
+    EXPECT_EQ(done.error().code, Errc::usage);
+    EXPECT_NE(sentence(done).find("a name has 1 to 32 bytes, a description at most 32"), std::string::npos);
+    expect_nothing_new();
+  }
+  const ExtraDimension longest{std::string(32, 'a'), std::string(32, 'b'), AttributeType::f64};
+  ASSERT_EQ(sentence(make_copy(in, to(), {.dimensions = {longest}})), "");
+  expect_values(to(), {{longest.name, AttributeType::f64}});
 }
 
 TEST_F(CopyByHand, OfAFileWithoutPointsHasNone) {
@@ -435,6 +450,58 @@ TEST_F(CopyByHand, LeavesNothingWhenTheInputIsDamaged) {
     ++refused;
   }
   EXPECT_GT(refused, 50u);
+}
+
+// 200 points of formats 1 and 3, not chunked; a chunk of 256 of format 7, whose items have version 4.
+const fs::path small = TESSERA_TEST_DATA "/../fuzz/corpus/laz";
+const std::vector<std::string> small_files{"lone_star.laz", "autzen_trim.laz", "pdrf7-v4-1.4.laz"};
+
+TEST_F(CopyByHand, OfPointsThatAreNotChunkedHasChunks) {
+  for (const auto& name : small_files)
+    for (const auto packing : {LasPacking::las, LasPacking::laz}) {
+      ASSERT_EQ(sentence(make_copy(small / name, to(), {.packing = packing})), "") << name;
+      expect_same_parts(to(), small / name);
+      expect_same_points(to(), small / name);
+    }
+}
+
+TEST_F(CopyByHand, OfAFileWithWrongBitsIsRefusedOrReadAsTheInputIs) {
+  std::mt19937_64 random(11);
+  std::size_t refused = 0, copied = 0;
+  for (const auto& name : small_files) {
+    const auto whole = file_bytes(small / name);
+    for (int trial = 0; trial < 200; ++trial) {
+      auto bytes = whole;
+      for (std::uint64_t flips = 1 + random() % 3; flips > 0; --flips) {
+        // half of them in the header and the records of variable length
+        const std::size_t at = random() % (trial % 2 == 0 ? std::min<std::size_t>(bytes.size(), 1500) : bytes.size());
+        bytes[at] ^= std::byte{1} << random() % 8;
+      }
+      const auto in = folder().write("in.las", bytes);
+      std::error_code ignored;
+      fs::remove(to(), ignored);
+      const auto done = make_copy(in, to(), {.packing = LasPacking::laz, .dimensions = {height}});
+      if (done.has_error()) {
+        ++refused;
+        expect_nothing_new();
+        continue;
+      }
+      ++copied;
+      const auto found = read_path(to()), expected = read_path(in);
+      ASSERT_EQ(sentence(found), "");
+      ASSERT_TRUE(found.value().points == expected.value().points);
+    }
+  }
+  EXPECT_GT(refused, 200u);
+  EXPECT_GT(copied, 50u);
+}
+
+TEST_F(CopyByHand, DoesNotDependOnTheNumberOfThreads) {
+  const auto in = clouds / "lone_star_part.copc.laz";
+  const auto one = folder().path() / "one.laz";
+  ASSERT_EQ(sentence(make_copy(in, one, {.dimensions = {height}})), "");
+  ASSERT_EQ(sentence(make_copy(in, to(), {.dimensions = {height}, .threads = 4})), "");
+  EXPECT_TRUE(file_bytes(to()) == file_bytes(one));
 }
 
 TEST_F(CopyByHand, LeavesNothingWhenItIsStoppedOrTheValuesFailOrTheLedgerIsUsedUp) {

@@ -53,6 +53,11 @@ class AddDimensions {
   }
 
   Result<RecordChange> run() {
+    for (const auto& dimension : dimensions_)
+      if (dimension.name.empty() || dimension.name.size() > name_bytes || dimension.description.size() > name_bytes)
+        return error(Errc::usage, "LAS permits no dimension of the name " + in_quotes(dimension.name) +
+                                      " and the description " + in_quotes(dimension.description) +
+                                      "; a name has 1 to 32 bytes, a description at most 32");
     for (auto* records : {&parts_.records, &parts_.extended})
       for (auto& record : *records)
         if (record.is(spec_user, extra_bytes_id)) {
@@ -90,14 +95,14 @@ class AddDimensions {
       const std::string name(name_of(descriptor));
       const auto bytes = bytes_described(descriptor);
       if (!bytes)
-        return bad("the dimension " + printable(name) + " is of kind " +
+        return bad("the dimension " + in_quotes(name) + " is of kind " +
                    std::to_string(load<std::uint8_t>(descriptor + 2)) + ", whose size is not known; 0 to 30 are");
       if (*bytes > header_.record_bytes - offset_)
-        return bad("the dimension " + printable(name) + " ends behind the point record, which has " +
+        return bad("the dimension " + in_quotes(name) + " ends behind the point record, which has " +
                    std::to_string(header_.record_bytes) + " bytes");
       const bool same = std::any_of(dimensions_.begin(), dimensions_.end(),
                                     [&](const auto& dimension) { return dimension.name == name; });
-      if (same && !replace_) return bad("the points already have a dimension " + printable(name));
+      if (same && !replace_) return bad("the points already have a dimension " + in_quotes(name));
       if (!same) {
         left.insert(left.end(), descriptor, descriptor + descriptor_bytes);
         keep(*bytes);

@@ -33,7 +33,7 @@ struct RecordChange {
 // descriptor describes get a descriptor without a name, because a reader finds a dimension by the bytes before it. With
 // `replace` the input's dimensions of the same names are left out; without it they are error bad_input. Further errors
 // bad_input, naming `source`: descriptors of an unknown kind, or of more bytes than records have; no room for more.
-// REQUIRES: `header` and `parts` are those of `source`.
+// Error usage for a name or a description that is too long. REQUIRES: `header` and `parts` are those of `source`.
 Result<RecordChange> add_dimensions(const ByteSource& source, const LasHeader& header, LasParts& parts,
                                     const std::vector<ExtraDimension>& dimensions, bool replace);
 

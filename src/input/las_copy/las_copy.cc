@@ -95,7 +95,7 @@ class LasCopy {
         std::make_unique<laz::LazStream>(share(source_), input_layout_,
                                          laz::WantedFields{.record_bytes = header_.record_bytes,
                                                            .wanted = std::vector<bool>(header_.record_bytes, true)},
-                                         chunks_, 1);
+                                         chunks_, std::max(1u, options_.threads));
     return success();
   }
 
