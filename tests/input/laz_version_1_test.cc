@@ -10,6 +10,8 @@
 
 #include "src/input/bytes/fields.h"
 #include "src/input/las_copy/integer_encoder.h"
+#include "src/input/las_copy/las_copy.h"
+#include "src/input/laz/laz_layout.h"
 #include "tests/input/las_file.h"
 #include "tests/input/laz_testing.h"
 
@@ -194,6 +196,22 @@ TEST(LazVersion1, GivesBackWhatWasEncoded) {
   }
 }
 
+TEST(LazVersion1, IsCopiedAsVersion2) {
+  const Bytes records = some_records(1000, 3);
+  Bytes bytes = with_count(version_1_file(1, 0), 1000);
+  append(bytes, encode(records.data(), 1000));
+  const TempFolder folder;
+  const auto copied = copy_las(memory_source("a.laz", bytes), folder.path() / "b.laz", {}, {});
+  ASSERT_EQ(sentence(copied), "");
+  const auto read = read_records(folder.path() / "b.laz", all_fields);
+  ASSERT_EQ(sentence(read), "");
+  EXPECT_EQ(read.value().bytes, records);
+  const auto layout = laz::read_laz_layout("b.laz", read.value().header.laszip, 3, record_bytes);
+  ASSERT_EQ(sentence(layout), "");
+  EXPECT_EQ(layout.value().compressor, laz::Compressor::pointwise_chunked);
+  for (const auto& item : layout.value().items) EXPECT_EQ(item.version, 2);
+}
+
 TEST(LazVersion1, MayAlsoBeARecordThatSaysThatNothingIsCompressed) {
   const auto file = version_1_file(0, 0, 5);
   const auto plain = read_records(memory_source("a.las", file.bytes()), all_fields);
@@ -201,6 +219,9 @@ TEST(LazVersion1, MayAlsoBeARecordThatSaysThatNothingIsCompressed) {
   ASSERT_EQ(sentence(read), "");
   EXPECT_EQ(read.value().size(), 5u);
   EXPECT_EQ(read.value().bytes, plain.value().bytes);
+  const TempFolder folder;
+  ASSERT_EQ(sentence(copy_las(memory_source("a.laz", with_count(file, 5)), folder.path() / "b.laz", {}, {})), "");
+  EXPECT_EQ(read_records(folder.path() / "b.laz", all_fields).value().bytes, plain.value().bytes);
   EXPECT_EQ(sentence(read_records(memory_source("a.laz", with_count(file, 6)), all_fields)),
             "a.laz, record 5: the file ends before or within this record, but its header promises 6 records");
 }

@@ -1,7 +1,9 @@
 #include "src/input/las_copy/copc_copy.h"
 
 #include <algorithm>
+#include <cstring>
 #include <string>
+#include <utility>
 
 #include "src/input/bytes/fields.h"
 
