@@ -99,7 +99,7 @@ class Octree {
   Cube cube_;
 };
 
-const laz::LazLayout layout = laz::standard_layout(6, record_bytes, UINT32_MAX);
+laz::LazLayout layout() { return laz::standard_layout(6, record_bytes, UINT32_MAX); }
 
 // A chunk of ground points, each the only return of its pulse.
 Bytes chunk_of(const std::vector<Record>& points) {
@@ -110,7 +110,7 @@ Bytes chunk_of(const std::vector<Record>& points) {
     put<std::uint8_t>(records, at + 14, 0x11);
     put<std::uint8_t>(records, at + 16, 2);
   }
-  const auto encoder = laz::make_chunk_encoder(layout, record_bytes);
+  const auto encoder = laz::make_chunk_encoder(layout(), record_bytes);
   encoder->encode(records);
   return encoder->finish();
 }
@@ -127,7 +127,7 @@ Bytes CopcFile::bytes() const {
   head.format = 6;
   head.scale = scale;
   head.offset = offset;
-  head.records = {{"copc", 1, Bytes(160)}, {"laszip encoded", 22204, laz::laszip_payload(layout, {})}};
+  head.records = {{"copc", 1, Bytes(160)}, {"laszip encoded", 22204, laz::laszip_payload(layout(), {})}};
   Bytes file = head.bytes();
   const std::size_t info_at = head.header_bytes() + 54, table_pointer_at = file.size();
   push(file, std::int64_t{0});
