@@ -140,7 +140,7 @@ TEST_P(EveryFormat, TakesLittleForEqualRecords) {
 
 // A file of these records, in chunks of these sizes, made by hand around the body.
 Bytes laz_file(const laz::LazLayout& layout, int format, const Bytes& records, std::uint16_t record_bytes,
-               const std::vector<std::size_t>& chunks) {
+               const std::vector<std::size_t>& chunks, unsigned threads = 1) {
   LasFile head;
   head.minor = 4;
   head.format = static_cast<std::uint8_t>(format);
@@ -152,7 +152,7 @@ Bytes laz_file(const laz::LazLayout& layout, int format, const Bytes& records, s
   const TempFolder folder;
   auto file = OutputFile::create(folder.path() / "a.laz").value();
   EXPECT_EQ(sentence(file.append(begin)), "");
-  laz::LazBody body(file, layout, record_bytes, begin.size());
+  laz::LazBody body(file, layout, record_bytes, begin.size(), threads);
   EXPECT_EQ(sentence(body.begin()), "");
   std::span<const std::byte> left = records;
   for (const std::size_t n : chunks) {
@@ -177,6 +177,7 @@ TEST_P(EveryFormat, GivesBackFilesOfWholeChunksAndOfOnePointMore) {
   for (const std::size_t n : {0u, 1u, 99u, 100u, 101u, 200u, 201u, 555u}) {
     const Bytes records = random_records(format(), record_bytes(), n, n);
     const Bytes file = laz_file(layout, format(), records, record_bytes(), {n / 3, n - n / 3});
+    EXPECT_EQ(laz_file(layout, format(), records, record_bytes(), {n}, 4), file);
     const auto read = read_records(memory_source("a.laz", file), all_fields, {.threads = 3});
     ASSERT_EQ(sentence(read), "");
     expect_equal(read.value().bytes, records, record_bytes());
@@ -187,10 +188,24 @@ TEST_P(EveryFormat, GivesBackFilesOfChunksOfAnySize) {
   const auto layout = laz::standard_layout(format(), record_bytes(), std::numeric_limits<std::uint32_t>::max());
   const std::vector<std::size_t> sizes{1, 200, 3, 70, 70, 1, 1000, 2};
   const Bytes records = random_records(format(), record_bytes(), 1347, 1);
-  const auto read =
-      read_records(memory_source("a.laz", laz_file(layout, format(), records, record_bytes(), sizes)), all_fields);
+  const Bytes file = laz_file(layout, format(), records, record_bytes(), sizes);
+  EXPECT_EQ(laz_file(layout, format(), records, record_bytes(), sizes, 3), file);
+  const auto read = read_records(memory_source("a.laz", file), all_fields);
   ASSERT_EQ(sentence(read), "");
   expect_equal(read.value().bytes, records, record_bytes());
+}
+
+// The records of such a chunk do not wait until it ends.
+TEST(LazEncoder, GivesBackAChunkOfManyBytes) {
+  constexpr std::uint16_t record_bytes = 1020;
+  constexpr std::size_t n = 40'000;
+  Bytes records(n * record_bytes);
+  for (std::size_t i = 0; i < n; ++i) put(records, i * record_bytes + 4, static_cast<std::uint32_t>(i * i));
+  const auto layout = laz::standard_layout(0, record_bytes, 50'000);
+  const Bytes file = laz_file(layout, 0, records, record_bytes, {1, 30'000, n - 30'001}, 2);
+  const auto read = read_records(memory_source("a.laz", file), all_fields);
+  ASSERT_EQ(sentence(read), "");
+  expect_equal(read.value().bytes, records, record_bytes);
 }
 
 INSTANTIATE_TEST_SUITE_P(LazEncoder, EveryFormat,

@@ -50,7 +50,7 @@ class LasCopy {
     BOOST_OUTCOME_TRYV(choose_layout());
     BOOST_OUTCOME_TRYV(write_begin());
     if (compress_) {
-      body_.emplace(file_, layout_, change_.record_bytes, end_);
+      body_.emplace(file_, layout_, change_.record_bytes, end_, std::max(1u, options_.threads));
       BOOST_OUTCOME_TRYV(body_->begin());
     }
     BOOST_OUTCOME_TRYV(copy_points());

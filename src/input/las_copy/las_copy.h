@@ -23,7 +23,7 @@ struct LasCopyOptions {
   LasPacking packing = LasPacking::as_input;
   std::vector<ExtraDimension> dimensions = {};  // with names that differ
   bool replace = false;                         // whether dimensions of the input with these names are left out
-  unsigned threads = 1;                         // how many decompress ahead of the copy
+  unsigned threads = 1;                         // for LAZ, each with a chunk of points in memory
   std::stop_token stop = {};
 };
 

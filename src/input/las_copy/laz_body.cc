@@ -2,14 +2,20 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 
+#include "src/base/on_threads.h"
 #include "src/input/las_copy/integer_encoder.h"
 
 namespace tessera::laz {
 namespace {
+
+// A chunk of 50,000 points has some 2 MB of records.
+constexpr std::size_t records_waiting_bytes_max = std::size_t{16} << 20;
 
 template <class T>
 void push(std::vector<std::byte>& to, T value) {
@@ -45,39 +51,71 @@ std::vector<std::byte> laszip_payload(const LazLayout& layout, std::span<const s
   return payload;
 }
 
-LazBody::LazBody(OutputFile& file, const LazLayout& layout, std::size_t record_bytes, std::uint64_t at)
-    : file_(file), layout_(layout), record_bytes_(record_bytes), begin_(at), end_(at) {}
+LazBody::LazBody(OutputFile& file, const LazLayout& layout, std::size_t record_bytes, std::uint64_t at,
+                 unsigned threads)
+    : file_(file), layout_(layout), record_bytes_(record_bytes), threads_(threads), begin_(at), end_(at) {}
 
 Status LazBody::begin() { return append(std::array<std::byte, 8>{}); }
 
 Status LazBody::add(std::span<const std::byte> records) {
   while (!records.empty()) {
-    if (!encoder_) encoder_ = make_chunk_encoder(layout_, record_bytes_);
-    const std::uint64_t n = std::min<std::uint64_t>(records.size() / record_bytes_, layout_.chunk_points - encoded_);
-    encoder_->encode(records.first(n * record_bytes_));
-    records = records.subspan(n * record_bytes_);
-    if ((encoded_ += n) == layout_.chunk_points) {
+    const std::uint64_t n =
+        std::min<std::uint64_t>(records.size() / record_bytes_, layout_.chunk_points - part_.points);
+    const auto taken = records.first(n * record_bytes_);
+    part_.records.insert(part_.records.end(), taken.begin(), taken.end());
+    records = records.subspan(taken.size());
+    part_.points += n;
+    if (part_.points == layout_.chunk_points) {
       BOOST_OUTCOME_TRYV(end_chunk());
+    } else if (part_.records.size() >= records_waiting_bytes_max) {
+      encode(part_);
     }
   }
   return success();
 }
 
 Status LazBody::end_chunk() {
-  if (!encoder_) return success();
-  const auto bytes = encoder_->finish();
-  if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
-    return error(Errc::bad_input, file_.path().string() + ", chunk " + std::to_string(chunks_.size()) + ": its " +
-                                      std::to_string(encoded_) + " points take more than 4 GiB");
-  chunks_.push_back(
-      {end_, end_ + bytes.size(), chunks_.empty() ? 0 : chunks_.back().first + chunks_.back().points, encoded_});
-  encoder_.reset();
-  encoded_ = 0;
-  return append(bytes);
+  if (part_.points == 0) return success();
+  ended_.push_back(std::exchange(part_, {}));
+  return ended_.size() < threads_ ? success() : compress_ended();
+}
+
+void LazBody::encode(Part& part) const {
+  if (!part.encoder) part.encoder = make_chunk_encoder(layout_, record_bytes_);
+  part.encoder->encode(part.records);
+  part.records.clear();
+}
+
+// Compresses the chunks that have ended, at once, and appends them in order.
+Status LazBody::compress_ended() {
+  std::vector<std::vector<std::byte>> compressed(ended_.size());
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> failed = false;
+  BOOST_OUTCOME_TRYV(on_threads(static_cast<unsigned>(ended_.size()), failed, [&]() -> Status {
+    for (std::size_t i = next++; i < ended_.size() && !failed; i = next++) {
+      encode(ended_[i]);
+      compressed[i] = ended_[i].encoder->finish();
+    }
+    return success();
+  }));
+  for (std::size_t i = 0; i < ended_.size(); ++i) {
+    const auto& bytes = compressed[i];
+    if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
+      return error(Errc::bad_input, file_.path().string() + ", chunk " + std::to_string(chunks_.size()) + ": its " +
+                                        std::to_string(ended_[i].points) + " points take more than 4 GiB");
+    chunks_.push_back({end_, end_ + bytes.size(), chunks_.empty() ? 0 : chunks_.back().first + chunks_.back().points,
+                       ended_[i].points});
+    BOOST_OUTCOME_TRYV(append(bytes));
+  }
+  ended_.clear();
+  return success();
 }
 
 Status LazBody::finish() {
   BOOST_OUTCOME_TRYV(end_chunk());
+  if (!ended_.empty()) {
+    BOOST_OUTCOME_TRYV(compress_ended());
+  }
   std::array<std::byte, 8> table_at{};
   std::memcpy(table_at.data(), &end_, sizeof end_);
   BOOST_OUTCOME_TRYV(append(table()));
