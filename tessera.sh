@@ -54,13 +54,15 @@ sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'be
 
 # CAF's and Asio's templates alone give thousands of findings: what includes them is left out.
 tidy() {
+  local files
+  files=$(sources | grep -v -E '^(tests|bench)/' | changed_since "${1:-}" | xargs -r grep -L -E 'caf/|boost/asio|actors/' || true)
+  [[ -n $files ]] || { echo "clang-tidy: no source has changed"; return; }
   deploy/install-deps.sh build test clang
   build all
   # Clang does not read the precompiled headers of GCC.
   mkdir -p build/tidy
   sed -E 's/-Winvalid-pch//g; s/-include [^ "]*cmake_pch\.hxx//g' $build_folder/compile_commands.json > build/tidy/compile_commands.json
-  sources | grep -v -E '^(tests|bench)/' | changed_since "${1:-}" | xargs -r grep -L -E 'caf/|boost/asio|actors/' |
-    xargs -r -P "$jobs" -n 4 clang-tidy -p build/tidy --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option
+  xargs -P "$jobs" -n 4 clang-tidy -p build/tidy --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option <<< "$files"
 }
 
 # Of the files in its input, those that have changed since a revision; all without one.

@@ -177,8 +177,8 @@ void ShareActor::take(TileReport& report) {
   if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked, because its mail could not be kept
   schedule_.note_done(span.tile, span.work, report.memory,
-                 {report.waiting.updates, report.waiting.bytes, report.waiting.memory, report.waiting.hops},
-                 report.storing);
+                      {report.waiting.updates, report.waiting.bytes, report.waiting.memory, report.waiting.hops},
+                      report.storing);
   if (span.work == Work::hand_over) account_.tile_is_handed_over(report.kept);
   if (span.work == Work::begin) account_.tile_has_begun(weights()[span.tile.value]);
 }

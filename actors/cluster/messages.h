@@ -89,11 +89,11 @@ struct MemberList {
 // the process -> its own node: what is the node's membership?
 struct AskStatus {};
 
-using MemberHandle =
-    caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
-                     caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
-                     caf::reacts_to<AskToLeave>, caf::reacts_to<Leave>, caf::replies_to<AskStatus>::with<MembershipStatus>,
-                     caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
+using MemberHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
+                                      caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
+                                      caf::reacts_to<AskToLeave>, caf::reacts_to<Leave>,
+                                      caf::replies_to<AskStatus>::with<MembershipStatus>,
+                                      caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
 using RegistryHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>,
                                         caf::reacts_to<Renew>, caf::reacts_to<Unreachable>, caf::reacts_to<Leaving>,
                                         caf::reacts_to<Follow>, caf::replies_to<Drain>::with<Drained>,

@@ -178,6 +178,14 @@ class TESSERA_PUBLIC MeasureRequest {
 
   // The volume of each cell, and for each vertex the sum of the volumes of its cells; in 2D areas in the plane.
   MeasureRequest& volume(bool volume);
+  // The shape of each cell, as columns radius_ratio (d times the radius of the inscribed sphere, divided by that of the
+  // circumsphere: 1 for a regular cell, near 0 for a flat one), least_angle and largest_angle (degrees; in 3D dihedral
+  // angles), and circumradius.
+  MeasureRequest& quality(bool quality);
+  // The Voronoi cell of each vertex, as columns voronoi_volume and voronoi_surface (in 2D voronoi_area and
+  // voronoi_boundary; infinite on the hull), voronoi_neighbours, and the centroid voronoi_x, voronoi_y, voronoi_z (NaN
+  // on the hull). Failure: also usage for a region.
+  MeasureRequest& voronoi(bool voronoi);
   // The memory for tiles; 0, the default: 70 % of the free memory.
   MeasureRequest& memory_bytes(std::uint64_t bytes);
   // 0, the default: all processors.

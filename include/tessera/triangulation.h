@@ -88,7 +88,9 @@ struct ColumnInfo {
 
 // The outcome of Triangulation::measure(). Programs are compiled with the size of this struct, so it never changes.
 struct MeasureReport {
-  double total = 0;  // the sum over all cells, rounded once; it depends on the triangulation alone
+  // The sum of the volumes of all cells, rounded once, if volumes were asked for. It depends on the triangulation
+  // alone.
+  double total = 0;
   std::string unit;  // for example "metre^3"; "" if the unit is not known
   bool made = true;  // false: the result had the columns already
   std::string note;  // a sentence about the values, or ""

@@ -62,6 +62,8 @@ void bind_options(py::module_& module) {
   py::class_<MeasureRequest>(module, "MeasureRequest")
       .def(py::init<>())
       .def("volume", setter(&MeasureRequest::volume))
+      .def("quality", setter(&MeasureRequest::quality))
+      .def("voronoi", setter(&MeasureRequest::voronoi))
       .def("memory_bytes", setter(&MeasureRequest::memory_bytes))
       .def("threads", setter(&MeasureRequest::threads));
 }

@@ -35,7 +35,8 @@ class Measures(typing.NamedTuple):
     """The outcome of Triangulation.measure()."""
 
     total: float
-    """The sum over all cells, rounded once. It does not depend on tiles or threads."""
+    """The sum of the volumes of all cells, rounded once, if volumes were asked for; else 0. It does not depend on tiles or
+    threads."""
     unit: str
     """For example "metre^3"; "" if the unit is not known."""
     made: bool
@@ -292,7 +293,8 @@ class Triangulation(Answers, Surfaces):
         """The columns of the triangulation, by name: t.columns["volume"]. measure() computes columns."""
         return Columns(self)
 
-    def measure(self, volume: bool = False, memory: int | str | None = None, threads: int = 0) -> Measures:
+    def measure(self, volume: bool = False, memory: int | str | None = None, threads: int = 0,
+                quality: bool = False, voronoi: bool = False) -> Measures:
         """Computes columns and adds them to the result folder, as a new version of the result. This object becomes the
         new version.
 
@@ -305,12 +307,22 @@ class Triangulation(Answers, Surfaces):
             The memory for tiles: bytes, or "800M", "4G". None: 70 % of the free memory.
         threads
             The number of threads. 0: all processors.
+        quality
+            The shape of each cell: t.columns["radius_ratio"] (dim times the radius of the inscribed sphere, divided by
+            that of the circumsphere: 1 for a regular cell, near 0 for a flat one), "least_angle" and "largest_angle"
+            (degrees; in 3D dihedral angles), and "circumradius".
+        voronoi
+            The Voronoi cell of each vertex: t.columns["voronoi_volume"] and "voronoi_surface" (in 2D "voronoi_area" and
+            "voronoi_boundary"; infinite on the hull), "voronoi_neighbours", and the centroid "voronoi_x", "voronoi_y",
+            "voronoi_z" (NaN on the hull).
 
         Other programs can read the result at the same time. Ctrl-C leaves the result as it was. Existing columns are
         not computed again. Warns with a UserWarning if there is something to say about the values.
         """
         request = _tessera.MeasureRequest()
         request.volume(volume)
+        request.quality(quality)
+        request.voronoi(voronoi)
         request.memory_bytes(memory_bytes(memory))
         request.threads(threads)
         total, unit, made, note = self._triangulation.measure(request)

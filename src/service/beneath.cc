@@ -34,10 +34,11 @@ Result<std::optional<FileHandle>> open_if_there(const FileHandle& folder, const 
   if (fd >= 0) return std::optional(FileHandle(fd));
   const int number = errno;
   if (number == ENOENT || number == ENOTDIR) return std::optional<FileHandle>();
-  if (number == EXDEV) return error(Errc::usage, path + ": leads out of the folder it has to stay in");
+  if (number == EXDEV)
+    return error(Errc::usage, path + ": leads out of the folder that may be read, through '..' or a link");
   if (number == ELOOP) {
-    return error(Errc::usage,
-                 path + (links == Links::refused ? ": is, or goes through, a link" : ": goes round links"));
+    return error(Errc::usage, path + (links == Links::refused ? ": is a symbolic link, or goes through one"
+                                                              : ": goes through links that form a circle"));
   }
   return io_error(path, "cannot be opened", number);
 }
@@ -53,7 +54,7 @@ Result<FileHandle> open_folder(const fs::path& folder) { return open_handle(fold
 Result<fs::path> real_path(const FileHandle& file) {
   std::error_code failed;
   auto path = fs::read_symlink(path_of(file), failed);
-  if (failed) return error(Errc::io, "where an open file is cannot be told: " + failed.message());
+  if (failed) return error(Errc::io, "the path of an open file cannot be read from /proc/self/fd: " + failed.message());
   return path;
 }
 
@@ -63,10 +64,11 @@ Status check_beneath() {
   BOOST_OUTCOME_TRY(root, open_folder("/"));
   const int fd = openat2(root.get(), ".", O_PATH, Links::refused);
   if (fd < 0) {
-    return io_error("openat2",
-                    "files cannot be kept below their folders: Linux 5.6 is needed, and that no sandbox "
-                    "forbids it",
-                    errno);
+    return io_error(
+        "openat2",
+        "this system call is needed to keep paths inside their folders, and it fails; it needs Linux 5.6 or "
+        "newer, and a sandbox must not forbid it",
+        errno);
   }
   const FileHandle opened(fd);
   return success();

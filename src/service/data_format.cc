@@ -30,10 +30,11 @@ Status check_data_format(const std::filesystem::path& data) {
   int format = 0;
   const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), format);
   if (wrong != std::errc{} || format < 1 || text.substr(static_cast<std::size_t>(end - text.data())) != "\n")
-    return error(Errc::corrupt, file.string() + ": is damaged: it holds no number of a format");
+    return error(Errc::corrupt, file.string() + ": is damaged: it must hold the number of the data folder's format");
   if (format > newest) {
     return error(Errc::corrupt, data.string() + ": was written by a newer version of tesserad: its format is " +
-                                    std::to_string(format) + ", this one knows " + std::to_string(newest));
+                                    std::to_string(format) + ", and this version reads formats up to " +
+                                    std::to_string(newest));
   }
   return success();
 }

@@ -63,14 +63,16 @@ std::optional<std::string> ServiceHealth::unready() const {
   const auto writable = nameless_file(of_.data);
   if (!writable) return problem_of(writable.error()).detail();
   if (const auto free = free_bytes(of_.data); free < free_min)
-    return of_.data.string() + ": only " + human_bytes(free) + " are free";
+    return of_.data.string() + ": only " + human_bytes(free) +
+           " are free on its disk, too little for the records of jobs";
   {
     const std::lock_guard lock(of_.jobs.mutex);
     if (!of_.jobs.unwritten.empty())
       return "the state of " + grouped(of_.jobs.unwritten.size()) + " jobs could not be written to " +
              of_.data.string();
   }
-  if (of_.upkeep.silence() > silence_max) return "the thread that watches the jobs does not answer";
+  if (of_.upkeep.silence() > silence_max)
+    return "the thread that watches the jobs has not answered for more than 30 seconds";
   return std::nullopt;
 }
 

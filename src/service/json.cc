@@ -135,7 +135,7 @@ const FieldDescriptor* field_named(const Descriptor& type, const std::string& na
 }
 
 Error wrong(const std::string& place, const std::string& reason) {
-  return error(Errc::usage, (place.empty() ? "the object" : place) + " " + reason);
+  return error(Errc::usage, (place.empty() ? "the JSON text" : place) + " " + reason);
 }
 
 template <class Number>
@@ -212,7 +212,7 @@ Status read_value(const Json& value, const std::string& place, const FieldDescri
       return success();
     case Type::CPPTYPE_ENUM: {
       const auto* known = value.is_string() ? field.enum_type()->FindValueByName(value.get<std::string>()) : nullptr;
-      if (known == nullptr) return wrong(place, "is none of its values");
+      if (known == nullptr) return wrong(place, "is not the name of a value that this field can have");
       list ? of.AddEnum(&message, &field, known) : of.SetEnum(&message, &field, known);
       return success();
     }
@@ -234,14 +234,14 @@ Status read_object(const Json& json, const std::string& place, Message& message)
   for (const auto& [name, value] : json.items()) {
     const std::string here = place.empty() ? name : place + "." + name;
     const FieldDescriptor* field = field_named(type, name);
-    if (field == nullptr) return error(Errc::usage, "'" + here + "' is no field that is known here");
+    if (field == nullptr) return error(Errc::usage, "'" + here + "' is not a known field");
     if (value.is_null()) continue;
     // Given under its other name, or another value of the same oneof.
     const bool given = field->is_repeated() ? of.FieldSize(message, field) > 0
                        : field->real_containing_oneof() != nullptr
                            ? of.HasOneof(message, field->real_containing_oneof())
                            : field->has_presence() && of.HasField(message, field);
-    if (given) return wrong(here, "is given twice, or beside one that excludes it");
+    if (given) return wrong(here, "is given twice, or together with a field that excludes it");
     if (!field->is_repeated()) {
       BOOST_OUTCOME_TRYV(read_value(value, here, *field, message));
       continue;
@@ -284,8 +284,8 @@ bool nested_too_deep(std::string_view json) {
 Status from_json(std::string_view json, Message& message) {
   message.Clear();
   if (nested_too_deep(json)) {
-    return error(Errc::usage,
-                 "lists and objects are nested more than " + std::to_string(nested_max) + " deep: nothing here is");
+    return error(Errc::usage, "lists and objects are nested more than " + std::to_string(nested_max) +
+                                  " deep, and no field needs that");
   }
   Json parsed;
   try {

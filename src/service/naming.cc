@@ -31,7 +31,8 @@ Status check_name(std::string_view name) {
   if (!is_utf8(name)) return error(Errc::usage, "is not UTF-8");
   if (name.front() == '.') return error(Errc::usage, "begins with a dot");
   if (name.find_first_of("/\\") != std::string_view::npos) return error(Errc::usage, "holds a slash or backslash");
-  if (printable(name) != name) return error(Errc::usage, "holds a control character, or one that turns writing around");
+  if (printable(name) != name)
+    return error(Errc::usage, "holds a control character, or a character that changes the direction of text");
   return success();
 }
 

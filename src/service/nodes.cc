@@ -77,7 +77,7 @@ Reply<proto::NodeList> Nodes::list() {
 }
 
 Reply<proto::NodeInfo> Nodes::drain(std::string_view node, const Caller& caller) {
-  if (caller.role < Role::admin) return problem(403, "to drain a node takes the role admin", Errc::usage);
+  if (caller.role < Role::admin) return problem(403, "draining a node needs a token of role admin", Errc::usage);
   BOOST_OUTCOME_TRY(all, list());
   const auto none = [&] { return problem(404, "there is no node '" + std::string(node) + "'", Errc::usage); };
   const auto wanted = std::find_if(all.nodes().begin(), all.nodes().end(), [&](const proto::NodeInfo& info) {
@@ -86,7 +86,10 @@ Reply<proto::NodeInfo> Nodes::drain(std::string_view node, const Caller& caller)
   if (wanted == all.nodes().end()) return none();
   if (!cluster_)
     return problem(
-        409, "node '" + std::string(node) + "': this daemon is no cluster: end it, and its jobs go on when it is back",
+        409,
+        "node '" + std::string(node) +
+            "': cannot be drained, because this daemon is not part of a cluster; end the daemon instead: its jobs go "
+            "on when it starts again",
         Errc::usage);
   proto::NodeInfo info = *wanted;
   // By id, because another node may have the same name.

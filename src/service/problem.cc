@@ -103,8 +103,11 @@ proto::Problem problem_of_inputs(const Error& error) {
 }
 
 proto::Problem needs_a_job(const std::string& what) {
-  auto made =
-      problem(400, what + " are not read while a request waits: ask for a job (Prefer: respond-async)", Errc::usage);
+  auto made = problem(400,
+                      what +
+                          " are not read while the request waits: send it again with the header Prefer: respond-async, "
+                          "which makes it a job",
+                      Errc::usage);
   made.set_type("urn:tessera:needs-a-job");
   return made;
 }

@@ -175,7 +175,8 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   if (options.limits.running < 1) return refuse("at least one job must be allowed to run");
   if (options.threads < 1) return refuse("at least one thread is needed");
   if (options.memory_bytes / options.limits.running < (std::uint64_t{64} << 20))
-    return refuse("a job would have less than 64 MiB of memory: give more, or let fewer run at once");
+    return refuse(
+        "each job would have less than 64 MiB of memory: give the daemon more memory, or let fewer jobs run at once");
   options.data = std::filesystem::absolute(options.data).lexically_normal();
   BOOST_OUTCOME_TRYV(check_apart(options.data, options.roots));
   BOOST_OUTCOME_TRY(held, DataFolder::hold(options));

@@ -83,7 +83,9 @@ Status StagingFolder::clear(const fs::path& desk) const {
       } else if (name.starts_with(on_its_way) && !place_of(name).empty()) {
         BOOST_OUTCOME_TRYV(put_back(desk / name));
       } else {
-        return error(Errc::corrupt, (desk / name).string() + ": is nothing that tesserad puts there");
+        return error(Errc::corrupt,
+                     (desk / name).string() +
+                         ": is not a file of tesserad, which cannot clear this folder; move the file elsewhere");
       }
     }
     if (::rmdir(desk.c_str()) == 0 || errno == ENOENT) return sync_folder(area_);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 const std::vector<std::string> commands{"triangulate", "verify", "info", "export"};
@@ -52,4 +52,4 @@ TEST(ResolveCommand, RefusesWhatIsNoCommand) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::apps

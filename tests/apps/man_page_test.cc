@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 TEST(Roff, NoCharacterIsAMark) {
@@ -13,4 +13,4 @@ TEST(Roff, NoCharacterIsAMark) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::apps

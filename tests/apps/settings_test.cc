@@ -10,7 +10,7 @@
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 class SettingsTest : public testing::Test {
@@ -148,4 +148,4 @@ TEST_F(SettingsTest, MemoryAndThreadsAreTheMachinesUnlessTheyAreGiven) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -4,7 +4,7 @@
 
 #include "src/base/option.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 TEST(FlagName, IsWhatIsTypedOnTheCommandLine) {
@@ -16,4 +16,4 @@ TEST(FlagName, IsWhatIsTypedOnTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::apps

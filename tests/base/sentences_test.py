@@ -5,7 +5,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 COMMAND = ROOT / "src/front/apps"
-PROGRAMS = {COMMAND, ROOT / "src/front/daemon"}  # what users type stands there
+PROGRAMS = {COMMAND, ROOT / "src/front/daemon", ROOT / "src/front/harness"}  # what users type stands there
 LITERAL = re.compile(r'"(?:[^"\\\n]|\\.)*"')
 
 

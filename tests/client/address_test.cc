@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tessera {
+namespace tessera::client {
 namespace {
 
 ServerAddress parsed(std::string_view text) {
@@ -59,4 +59,4 @@ TEST(FollowLink, DoesNotLeaveTheServer) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::client

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera {
+namespace tessera::client {
 namespace {
 
 struct Heard {
@@ -54,4 +54,4 @@ TEST(EventStream, EndsWithWhatItsListenerReturns) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::client

@@ -195,7 +195,7 @@ class _Handler(http.server.BaseHTTPRequestHandler):
         if parts[:2] == ["processes", "info"] and "respond-async" not in self.headers.get("Prefer", ""):
             if fake.described is not None:
                 return self.answer(200, fake.described)
-            return self.answer(400, {"type": "urn:tessera:needs-a-job", "detail": "ask for a job", "cause": 2},
+            return self.answer(400, {"type": "urn:tessera:needs-a-job", "detail": "send it again with the header Prefer: respond-async", "cause": 2},
                                "application/problem+json")
         if self.command == "POST" and parts[0] == "processes" and parts[2] == "execution":
             job = fake.add_job(f"j{len(fake.jobs) + 1}", process=parts[1])

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace tessera {
+namespace tessera::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,4 +67,4 @@ TEST(Written, AFileIsTheOneAskedForOrBesideItWithItsName) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::client

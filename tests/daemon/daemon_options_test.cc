@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 class Options : public ::testing::Test {
@@ -55,7 +55,7 @@ TEST_F(Options, FlagsBeatVariablesBeatTheFile) {
   environment_ = {{"TESSERAD_MEMORY", "2G"}, {"TESSERAD_JOBS", "4"}, {"TESSERAD_LIMITS_QUEUED", "8"}};
   const auto options = read("--config " + file_ + " --jobs 5 --metrics none");
   ASSERT_TRUE(options) << options.error().where;
-  const ServiceOptions& service = options.value().service;
+  const service::ServiceOptions& service = options.value().service;
   EXPECT_EQ(service.data, "/from/file");
   EXPECT_EQ(service.memory_bytes, std::uint64_t{2} << 30);
   EXPECT_EQ(service.limits.running, 5u);
@@ -105,4 +105,4 @@ TEST(Duration, HasAUnit) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -207,7 +207,7 @@ class Faults(DaemonTest):
         daemon = self.start()
         job = self.submit(daemon, "small", "block", memory="64G", threads=64)
         log = daemon.request("GET", f"/v1/jobs/{job}/log")[2].decode()
-        self.assertIn("threads: 64 asked for, a job has 2 here; memory: 64.0 GiB asked for, a job has 1.00 GiB here", log)
+        self.assertIn("threads: 64 are asked for, but a job gets 2 here; memory: 64.0 GiB are asked for, but a job gets 1.00 GiB here", log)
         self.successful(daemon, job)
         self.assertEqual(daemon.end(), 0)
 

@@ -62,7 +62,7 @@ class Listings(DaemonTest):
         self.assertRegex(text, r"(?m)^few.xyz +\d+ B ")
         refused = self.command("inputs", "../..")
         self.assertEqual((refused.returncode, refused.stdout), (2, ""))
-        self.assertIn("folder: '../..' may not have '..'", refused.stderr)
+        self.assertIn("folder: '../..' must not contain '..'", refused.stderr)
         if "PYTHONPATH" in os.environ:
             import tessera
             client = tessera.connect(self.daemon.url, self.daemon.token)

@@ -136,13 +136,13 @@ class Messages(DaemonTest):
     def test_what_is_no_message_of_points_is_refused_with_a_sentence(self):
         flat = self.points[:3, :2]
         for name, body, status, says in (
-                ("flat", b"", 422, "the body: must be a Points message"),
+                ("flat", b"", 422, "the body: has no points"),
                 ("flat", b'{"points": [[1, 2]]}', 422, "the body: "),
-                ("flat", b"\xff\xff", 422, "the body: is no Points message"),
-                ("flat", self.message_of(flat)[:-1], 422, "the body: is no Points message"),
-                ("flat", self.message_of(flat[:, :1]), 422, "the body: has 3 numbers x, but 0 y"),
-                ("solid", self.message_of(flat), 422, "the body: has 3 numbers x, but 0 z"),
-                ("flat", protoc("encode", "Points", b"x: 1 x: 2 y: 1 y: inf"), 422, "the body: point 1 is not finite"),
+                ("flat", b"\xff\xff", 422, "the body: is not a protobuf message tessera.proto.Points"),
+                ("flat", self.message_of(flat)[:-1], 422, "the body: is not a protobuf message tessera.proto.Points"),
+                ("flat", self.message_of(flat[:, :1]), 422, "the body: has 3 values of x, but 0 of y"),
+                ("solid", self.message_of(flat), 422, "the body: has 3 values of x, but 0 of z"),
+                ("flat", protoc("encode", "Points", b"x: 1 x: 2 y: 1 y: inf"), 422, "the body: point 1 has a coordinate that is not finite"),
                 ("flat", bytes(2 << 20), 413, "1048576")):
             with self.subTest(says):
                 answer = self.ask("POST", f"{name}/locate", body, Content_Type=KIND, Accept=KIND)

@@ -124,7 +124,7 @@ class Rights(DaemonTest):
         link = self.folder / "link"
         link.symlink_to(self.folder / "data/below")
         for inputs in (self.folder, self.folder / "data", self.folder / "data/below", link):
-            self.assertIn("lie in one another", self.refused("--inputs", inputs))
+            self.assertIn("one of them lies inside the other", self.refused("--inputs", inputs))
         (self.folder / "data-inputs").mkdir()
         process = self.begin("--inputs", self.folder / "data-inputs")
         self.until_it_serves(process)

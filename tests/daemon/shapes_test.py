@@ -166,7 +166,7 @@ class Shapes(DaemonTest):
             self.assertEqual((status, found["tile"], found["cell"]), (200, tile, cell))
             self.assertEqual([corner["point"] for corner in found["vertices"]], self.cells[tile][cell].tolist())
             self.assertIn(None, found["neighbors"])
-        for wrong, said in (("1", "cell: give TILE,CELL"), ("a,b", "cell: give"), ("1,-1", "cell: give"), ("0,1&point=1,2,3", "cell: give"),
+        for wrong, said in (("1", "cell: must be TILE,CELL"), ("a,b", "cell: must be"), ("1,-1", "cell: must be"), ("0,1&point=1,2,3", "cell: must be"),
                             ("99999,1", "has no tile 99999"), ("0,99999999", "no main cell 99999999")):
             status, _, problem = self.daemon.request("GET", f"/v1/triangulations/solid/locate?cell={wrong}")
             self.assertEqual(status, 400, problem)

@@ -73,7 +73,7 @@ class Surfaces(ClusterTest):
             self.nodes = {name: self.join(name) for name in "bcd"}
             self.made(job, f"all-{step}.ply")
             log = self.coordinator.request("GET", f"/v1/jobs/{job}/log")[2]
-            went_on += "goes on with what is there" in str(log)
+            went_on += "continues the work of an earlier start" in str(log)
         self.assertGreater(went_on, 0)
 
     def test_a_dismissed_one_goes_on(self):

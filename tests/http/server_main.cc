@@ -18,7 +18,7 @@
 #include "tests/http/fake_backend.h"
 
 int main(int argc, char** argv) {
-  using namespace tessera;
+  using namespace tessera::service;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("http"));
   const std::filesystem::path folder = argv[1];
   std::map<std::string, std::string> given;
@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   const auto number = [&](const char* name, int usual) {
     return given.contains(name) ? std::stoi(given[name]) : usual;
   };
-  raise_open_files_limit();
+  tessera::raise_open_files_limit();
   if (given.contains("open_files")) {
     const rlimit limit{static_cast<rlim_t>(number("open_files", 0)), static_cast<rlim_t>(number("open_files", 0))};
     if (::setrlimit(RLIMIT_NOFILE, &limit) != 0) return 1;

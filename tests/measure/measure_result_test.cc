@@ -101,6 +101,47 @@ TEST_P(MeasureSample, HasTheSameBitsForAnyTilesThreadsAndOrder) {
   }
 }
 
+// Each cell, by its vertices' ids, with the values of all its columns.
+std::map<std::vector<PointId>, std::vector<double>> shapes(const fs::path& out) {
+  std::map<std::vector<PointId>, std::vector<double>> found;
+  const auto source = TileSource::open(out).value();
+  const std::size_t corners = static_cast<std::size_t>(source.manifest().dimension) + 1;
+  for (std::size_t i = 0; i < source.tiles(); ++i) {
+    const auto tile = source.read(i, {.rows = true, .cell_columns = true}).value();
+    for (std::size_t cell = 0; cell < tile.mesh.cell_ghost.size(); ++cell) {
+      std::vector<PointId> ids;
+      for (std::size_t k = 0; k < corners; ++k)
+        ids.push_back(tile.mesh.ids[static_cast<std::size_t>(tile.mesh.cells[cell * corners + k])]);
+      std::sort(ids.begin(), ids.end());
+      std::vector<double> values;
+      for (const auto& column : tile.cell_columns) values.push_back(double_at(column, cell));
+      EXPECT_EQ(found.try_emplace(ids, values).first->second, values);
+    }
+  }
+  return found;
+}
+
+TEST_P(MeasureSample, ShapesHaveTheSameBitsForAnyTilesAndBounds) {
+  std::optional<std::map<std::vector<PointId>, std::vector<double>>> first;
+  for (const std::uint32_t tiles : {1u, 7u, 50u}) {
+    const TemporaryFolder folder;
+    const fs::path out = folder.path() / "out";
+    store_sample(out, sample_tiles(points_, dimension(), tiles));
+    const auto done = measure(out, {.quality = true, .memory_bytes = std::uint64_t{1} << 30, .threads = 2}, {});
+    ASSERT_TRUE(done) << done.error().where;
+    EXPECT_FALSE(done.value().total);
+    const auto found = shapes(out);
+    if (!first) first = found;
+    EXPECT_EQ(found, *first);
+    for (const auto& [ids, values] : found) {
+      ASSERT_EQ(values.size(), 4u);
+      EXPECT_TRUE(values[0] > 0 && values[0] <= 1) << values[0];
+      EXPECT_TRUE(values[1] > 0 && values[1] <= values[2] && values[2] < 180) << values[1] << " " << values[2];
+      EXPECT_GT(values[3], 0);
+    }
+  }
+}
+
 TEST_P(MeasureSample, HasTheSameBitsWhenTilesAreKeptAsPoints) {
   const auto meshes = sample_tiles(points_, dimension(), 7);
   std::optional<Found> first;

@@ -74,7 +74,7 @@ class Work(ClientTest):
         self.make_result()
         self.assertEqual(self.client.info("block"), {"points": 4})
         self.assertEqual(self.server.jobs["j2"].inputs, {"triangulation": "block"})
-        self.server.refusals["POST", "/v1/processes/info/execution"] = (422, {"detail": "inputs: x: is no file", "cause": 4})
+        self.server.refusals["POST", "/v1/processes/info/execution"] = (422, {"detail": "inputs: x: is not a file", "cause": 4})
         with self.assertRaisesRegex(tessera.IoError, "inputs: x"):
             self.client.info("x")
 

@@ -164,23 +164,23 @@ TEST(AnswerMessages, PointsAreReadAsTheyAre) {
   ASSERT_TRUE(flat) << flat.error().where;
   EXPECT_EQ(flat.value(), (std::vector<Point>{{0.1, -0.1, 0}, {0, 0, 0}, {1e300, -1e300, 0}}));
   EXPECT_FALSE(std::signbit(flat.value()[1].x));
-  EXPECT_EQ(refusal(points, 3), "the body: has 3 numbers x, but 0 z");
+  EXPECT_EQ(refusal(points, 3), "the body: has 3 values of x, but 0 of z");
   for (const double z : {1., nan, 3.}) points.add_z(z);
   EXPECT_EQ(points_of(points.SerializeAsString(), 2).value(), flat.value()) << "z has no effect";
-  EXPECT_EQ(refusal(points, 3), "the body: point 1 is not finite");
+  EXPECT_EQ(refusal(points, 3), "the body: point 1 has a coordinate that is not finite");
   points.set_z(1, 2);
   EXPECT_EQ(points_of(points.SerializeAsString(), 3).value()[1], (Point{0, 0, 2}));
 }
 
 TEST(AnswerMessages, WrongPointsAreRefusedWithASentence) {
   proto::Points points;
-  EXPECT_EQ(refusal(points, 2), "the body: must be a Points message with points");
+  EXPECT_EQ(refusal(points, 2), "the body: has no points: its list x is empty");
   points.add_x(1);
-  EXPECT_EQ(refusal(points, 2), "the body: has 1 numbers x, but 0 y");
+  EXPECT_EQ(refusal(points, 2), "the body: has 1 values of x, but 0 of y");
   for (const double y : {inf, -inf, nan}) {
     points.mutable_y()->Clear();
     points.add_y(y);
-    EXPECT_EQ(refusal(points, 2), "the body: point 0 is not finite");
+    EXPECT_EQ(refusal(points, 2), "the body: point 0 has a coordinate that is not finite");
   }
   points.set_y(0, 2);
   const std::string bytes = points.SerializeAsString();
@@ -188,7 +188,8 @@ TEST(AnswerMessages, WrongPointsAreRefusedWithASentence) {
   for (std::size_t length = 0; length < bytes.size(); ++length)
     EXPECT_FALSE(points_of(std::string_view(bytes).substr(0, length), 2)) << length;
   // Nested deeper than any message is: groups in groups.
-  EXPECT_EQ(points_of(std::string(1 << 20, '\x7b'), 2).error().where, "the body: is no Points message");
+  EXPECT_EQ(points_of(std::string(1 << 20, '\x7b'), 2).error().where,
+            "the body: is not a protobuf message tessera.proto.Points");
   EXPECT_FALSE(points_of(R"({"points": [[1, 2]]})", 2));
 }
 

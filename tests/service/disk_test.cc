@@ -58,12 +58,12 @@ class ServiceDisk : public ServiceTest {
       for (bool all = false; !all; ++first) {
         fs::remove_all(data());
         fs::copy(kept(), data(), fs::copy_options::recursive);
-        const int number = disk_errors[first % std::size(disk_errors)];
+        const int number = tessera::testing::disk_errors[first % std::size(tessera::testing::disk_errors)];
         SCOPED_TRACE("call " + std::to_string(first) + (count > 1 ? " and those after it fail" : " fails") + " with " +
                      std::generic_category().message(number));
-        fail_below(data(), first, count, number);
+        tessera::testing::fail_below(data(), first, count, number);
         run();
-        all = recover_disk().failed == 0;
+        all = tessera::testing::recover_disk().failed == 0;
         check_kept();
         if (HasFatalFailure()) return;
       }

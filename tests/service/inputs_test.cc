@@ -117,7 +117,8 @@ TEST_F(Inputs, EveryRefusalOfASubmissionNamesTheField) {
   EXPECT_EQ(detail([](Fields& of) { of.set_tiles(2), of.set_tile_points(9); }),
             "tiles and tile_points contradict each other: give one of them");
   EXPECT_EQ(detail([](Fields& of) { of.set_memory("lots"); }), "memory: 'lots' is not a size like 800M, 4G or 1.5G");
-  EXPECT_EQ(detail([](Fields& of) { of.add_class_(256); }), "class: 256 is no LAS class, a number from 0 to 255");
+  EXPECT_EQ(detail([](Fields& of) { of.add_class_(256); }),
+            "class: 256 is not a LAS class, which is a number from 0 to 255");
   EXPECT_EQ(detail([](Fields& of) { of.set_kernel("x"); }),
             "kernel: 'x' is not a kernel; the kernels are flat and cgal");
   const auto nan = std::numeric_limits<double>::quiet_NaN();
@@ -125,9 +126,9 @@ TEST_F(Inputs, EveryRefusalOfASubmissionNamesTheField) {
     EXPECT_EQ(detail([&](Fields& of) {
                 for (const double x : {0.0, 0.0, 1.0, nan}) of.add_crop(x);
               }),
-              "crop: is not a box: a number of it is not finite");
+              "crop: is not a box: one of its numbers is not finite");
   }
-  EXPECT_EQ(detail([&](Fields& of) { of.set_resolution(nan); }), "resolution: is not a distance, a number above 0");
+  EXPECT_EQ(detail([&](Fields& of) { of.set_resolution(nan); }), "resolution: must be a finite number above 0");
   EXPECT_EQ(detail([](Fields& of) { of.set_returns("second"); }),
             "returns: 'second' is not one of all, first, last and single");
   EXPECT_NE(detail([](Fields& of) { of.add_without("x"); }).find("without: "), std::string::npos);
@@ -135,7 +136,7 @@ TEST_F(Inputs, EveryRefusalOfASubmissionNamesTheField) {
   EXPECT_EQ(detail([](Fields& of) { of.set_keep("middle"); }),
             "keep: 'middle' is not one of first, last, lowest and highest");
   EXPECT_NE(detail([](Fields& of) { of.set_partition("x"); }).find("partition: "), std::string::npos);
-  EXPECT_EQ(detail([](Fields& of) { of.clear_inputs(); }), "inputs: none is given");
+  EXPECT_EQ(detail([](Fields& of) { of.clear_inputs(); }), "inputs: no file, folder or pattern is given");
   EXPECT_NE(detail([](Fields& of) { of.set_memory("1"); }, 422).find("memory"), std::string::npos);
 }
 

@@ -211,7 +211,7 @@ TEST_F(Jobs, WhatCostsTooMuchIsRefusedAtOnceWithTheFigures) {
   open();
   const auto points = refused(triangulate("a.xyz"));
   EXPECT_EQ(points.status(), 422);
-  EXPECT_NE(points.detail().find("a job may have 1 000"), std::string::npos) << points.detail();
+  EXPECT_NE(points.detail().find("a job may have at most 1 000"), std::string::npos) << points.detail();
   const auto estimate = service->processes().estimate(triangulate("a.xyz"), alice);
   ASSERT_TRUE(estimate);
   EXPECT_FALSE(estimate.value().accepted());

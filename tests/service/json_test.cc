@@ -63,7 +63,7 @@ TEST(Json, NamesMayBeInCamelCaseAndNullIsNothing) {
 }
 
 TEST(Json, RefusalsNameTheField) {
-  EXPECT_EQ(refusal(R"({"treads": 1})"), "'treads' is no field that is known here");
+  EXPECT_EQ(refusal(R"({"treads": 1})"), "'treads' is not a known field");
   EXPECT_EQ(refusal(R"({"threads": -1})"), "threads is not a whole number from 0 to 4294967295");
   EXPECT_EQ(refusal(R"({"threads": 1.5})"), "threads is not a whole number from 0 to 4294967295");
   EXPECT_EQ(refusal(R"({"threads": 4294967296})"), "threads is not a whole number from 0 to 4294967295");
@@ -72,9 +72,9 @@ TEST(Json, RefusalsNameTheField) {
   EXPECT_EQ(refusal(R"({"crop": 1})"), "crop is not a list in brackets");
   EXPECT_EQ(refusal(R"({"memory": 4})"), "memory is not a text");
   EXPECT_EQ(refusal(R"({"recursive": 1})"), "recursive is neither true nor false");
-  EXPECT_EQ(refusal("[]"), "the object is not an object in braces");
+  EXPECT_EQ(refusal("[]"), "the JSON text is not an object in braces");
   EXPECT_EQ(refusal(R"({"tile_points": 1, "tilePoints": 2})"),
-            "tile_points is given twice, or beside one that excludes it");
+            "tile_points is given twice, or together with a field that excludes it");
   proto::Inputs inputs;
   EXPECT_FALSE(from_json(R"({"verify": {}, "info": {}})", inputs));
   const auto nested = from_json(R"({"triangulate": {"inputs": ["a", 2]}})", inputs);
@@ -105,7 +105,7 @@ TEST(Json, DeepNestingIsRefusedBeforeItIsRead) {
 TEST(Json, TakesNoLongerForManyKeysThanForManyValues) {
   std::string many = "{";
   for (int i = 0; i < 2'000'000; ++i) many += "\"key" + std::to_string(i) + "\":0,";
-  EXPECT_EQ(refusal(many + "\"a\":0}"), "'a' is no field that is known here");
+  EXPECT_EQ(refusal(many + "\"a\":0}"), "'a' is not a known field");
 }
 
 TEST(Json, BytesThatAreNoUtf8AreReplaced) {

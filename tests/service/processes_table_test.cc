@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "src/service/processes/job_work.h"
 #include "src/service/processes/kinds.h"
 #include "src/service/processes/table.h"
 

@@ -104,4 +104,4 @@ int drive(const std::string& data, const std::string& roots) {
 }  // namespace
 }  // namespace tessera::service
 
-int main(int argc, char** argv) { return argc == 3 ? tessera::drive(argv[1], argv[2]) : 2; }
+int main(int argc, char** argv) { return argc == 3 ? tessera::service::drive(argv[1], argv[2]) : 2; }

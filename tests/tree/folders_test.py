@@ -13,8 +13,6 @@ FUNCTION_LINES_MAX = 70
 LONG_FUNCTIONS = {"ShareActor::make_behavior", "add_documents", "add_job_routes", "add_question_routes", "add_result_routes",
                   "Mesh::find_zone", "collect"}
 CLASS_SOURCES_MAX = 2
-# Classes that are in more sources for now.
-SPREAD_CLASSES = {"Answering", "Coordinator", "Service", "ShareActor"}
 
 
 class Folders(unittest.TestCase):
@@ -105,7 +103,7 @@ class Folders(unittest.TestCase):
                     where.setdefault((os.path.dirname(path), *key), []).append(path)
         self.assertGreater(len(where), 200)
         self.assertEqual({key: paths for key, paths in where.items()
-                          if len(paths) > CLASS_SOURCES_MAX and key[2] not in SPREAD_CLASSES}, {})
+                          if len(paths) > CLASS_SOURCES_MAX}, {})
 
     def test_no_function_is_longer_than_a_page(self):
         lengths = [(path, name, lines) for path, text in self.texts.items() if path.startswith(("src/", "actors/", "python/"))

@@ -206,6 +206,14 @@ MeasureRequest& MeasureRequest::volume(bool volume) {
   impl_->options.volume = volume;
   return *this;
 }
+MeasureRequest& MeasureRequest::quality(bool quality) {
+  impl_->options.quality = quality;
+  return *this;
+}
+MeasureRequest& MeasureRequest::voronoi(bool voronoi) {
+  impl_->options.voronoi = voronoi;
+  return *this;
+}
 MeasureRequest& MeasureRequest::memory_bytes(std::uint64_t bytes) {
   impl_->options.memory_bytes = bytes;
   return *this;

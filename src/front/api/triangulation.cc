@@ -113,7 +113,7 @@ MeasureReport Triangulation::measure(const MeasureRequest& request) {
     const std::filesystem::path folder = impl_->source.folder();
     const auto measured = value_or_throw(tessera::measure(folder, options, asked.stop));
     impl_ = std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), impl_->temporary});
-    return MeasureReport{measured.total, measured.unit, measured.made, measured.note};
+    return MeasureReport{measured.total.value_or(0), measured.unit, measured.made, measured.note};
   });
 }
 

@@ -15,7 +15,7 @@
 #include "src/front/apps/server_options.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ Command add_certs(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -26,7 +26,7 @@
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,19 +51,19 @@ Result<LocalCluster> existing(const fs::path& folder) {
   return *std::move(found);
 }
 
-Result<Server> server_of(const LocalCluster& cluster) {
-  ServerOptions options;
-  BOOST_OUTCOME_TRY(address, parse_address(cluster.url()));
+Result<client::Server> server_of(const LocalCluster& cluster) {
+  client::ServerOptions options;
+  BOOST_OUTCOME_TRY(address, client::parse_address(cluster.url()));
   options.address = std::move(address);
   BOOST_OUTCOME_TRY(token, read_whole(local_token_file(cluster.folder)));
   options.token = std::string(as_text(token));
   options.patience = 0s;
-  return Server::make(std::move(options));
+  return client::Server::make(std::move(options));
 }
 
 // Waits until `so` is true of the nodes. Errors: io, also if the process of a node in `alive` ends, and after a minute;
 // interrupted.
-Status wait_until(const LocalCluster& cluster, Server& server, const std::function<bool(const Nodes&)>& so,
+Status wait_until(const LocalCluster& cluster, client::Server& server, const std::function<bool(const Nodes&)>& so,
                   const std::vector<const LocalNode*>& alive, const std::stop_token& stop) {
   const auto until = Clock::now() + join_time;
   while (true) {
@@ -337,4 +337,4 @@ Command add_cluster(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tessera {
+namespace tessera::apps {
 
 Command new_command(CLI::App& root, const std::string& name, const std::string& description,
                     const std::string& examples) {
@@ -88,4 +88,4 @@ Result<OutputOptions> output_options(Settings& settings) {
   return options;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -14,7 +14,7 @@ namespace CLI {
 class App;
 }
 
-namespace tessera {
+namespace tessera::apps {
 
 // A subcommand as it is declared.
 struct Command {
@@ -85,4 +85,4 @@ struct OutputOptions {
 };
 Result<OutputOptions> output_options(Settings& settings);
 
-}  // namespace tessera
+}  // namespace tessera::apps

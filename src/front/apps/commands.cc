@@ -7,7 +7,7 @@
 #include "src/front/apps/terrain_commands.h"
 #include "src/job/version.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 std::vector<Command> add_commands(CLI::App& root) {
   root.name("tessera");
@@ -50,4 +50,4 @@ std::vector<Command> add_commands(CLI::App& root) {
   return commands;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

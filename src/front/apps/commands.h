@@ -5,9 +5,9 @@
 
 #include "src/front/apps/command.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // Declares all commands, and the texts of the program's help, in a new `root`, which must outlive the commands.
 std::vector<Command> add_commands(CLI::App& root);
 
-}  // namespace tessera
+}  // namespace tessera::apps

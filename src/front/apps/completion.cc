@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 void add_word(std::string& list, const std::string& word) { list += (list.empty() ? "" : " ") + word; }
@@ -88,4 +88,4 @@ std::string completion(const std::vector<Command>& commands) {
          "complete -o default -F _tessera tessera\n";
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -6,10 +6,10 @@
 
 #include "src/front/apps/command.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // Returns a script for bash, and for zsh after `autoload -U bashcompinit && bashcompinit`. The script completes
 // commands, options, and the values of options that have few. Elsewhere the shell offers names of files.
 std::string completion(const std::vector<Command>& commands);
 
-}  // namespace tessera
+}  // namespace tessera::apps

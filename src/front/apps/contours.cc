@@ -18,7 +18,7 @@
 #include "src/front/apps/terrain_commands.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status run_contours(Settings& settings, const OneStep& made_of) {
@@ -103,4 +103,4 @@ Command add_contours(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

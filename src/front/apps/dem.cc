@@ -18,7 +18,7 @@
 #include "src/front/apps/server_options.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Result<bool> parse_type(const std::string& text) {
@@ -142,4 +142,4 @@ Command add_dem(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -11,7 +11,7 @@
 #include "src/front/apps/words.h"
 #include "src/job/report/human.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -124,4 +124,4 @@ bool print_drawn(const Json& outcome, const OutputOptions& output) {
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

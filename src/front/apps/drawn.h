@@ -8,7 +8,7 @@
 #include "src/result/terrain/contours.h"
 #include "src/result/terrain/dem.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 void print_drawn(const RegionSummary& region, const OutputOptions& output);
 void print_drawn(const Dem& dem, const OutputOptions& output);
@@ -17,4 +17,4 @@ void print_drawn(const Contours& contours, const OutputOptions& output);
 // Prints the outcome in a daemon's JSON object. Returns false, and prints nothing, if it is of none of the three.
 bool print_drawn(const nlohmann::ordered_json& outcome, const OutputOptions& output);
 
-}  // namespace tessera
+}  // namespace tessera::apps

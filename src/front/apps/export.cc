@@ -21,7 +21,7 @@
 #include "src/front/apps/server_options.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 // Returns a function that draws the progress on one line of the terminal, when the percentage changes. Returns null if
@@ -112,4 +112,4 @@ Command add_export(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

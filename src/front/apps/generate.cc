@@ -18,7 +18,7 @@
 #include "src/job/arguments.h"
 #include "src/job/report/human.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status run_generate(Settings& settings, const std::string& kind) {
@@ -87,4 +87,4 @@ Command add_generate(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 class HelpFormatter : public CLI::Formatter {
@@ -121,4 +121,4 @@ Result<std::vector<std::string>> resolve_command(std::vector<std::string> argume
   return arguments;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -15,7 +15,7 @@ class FormatterBase;
 class ParseError;
 }  // namespace CLI
 
-namespace tessera {
+namespace tessera::apps {
 
 // Returns a formatter of help texts that leaves out "Excludes:", which CLI11 would print for switches and their
 // negations.
@@ -34,4 +34,4 @@ Result<std::vector<std::string>> resolve_command(std::vector<std::string> argume
 // nearest option. `name`: the command as the user types it, "tessera dem".
 std::string wrong_arguments(const CLI::App& app, const std::string& name, const CLI::ParseError& wrong);
 
-}  // namespace tessera
+}  // namespace tessera::apps

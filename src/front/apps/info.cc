@@ -11,7 +11,7 @@
 #include "src/front/apps/words.h"
 #include "src/job/describe.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status run_info(Settings& settings, const std::vector<std::string>& what) {
@@ -57,4 +57,4 @@ Command add_info(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -10,7 +10,7 @@
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status run_inputs(Settings& settings, const std::string& folder) {
@@ -44,4 +44,4 @@ Command add_inputs(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

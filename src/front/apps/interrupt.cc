@@ -11,7 +11,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 struct Interrupt::Impl {
   boost::asio::io_context context;
@@ -38,4 +38,4 @@ Interrupt::~Interrupt() { impl_->context.stop(); }
 
 std::stop_token Interrupt::token() const { return impl_->source.get_token(); }
 
-}  // namespace tessera
+}  // namespace tessera::apps

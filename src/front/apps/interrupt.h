@@ -4,7 +4,7 @@
 #include <memory>
 #include <stop_token>
 
-namespace tessera {
+namespace tessera::apps {
 
 class Interrupt {
  public:
@@ -19,4 +19,4 @@ class Interrupt {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::apps

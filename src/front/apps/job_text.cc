@@ -8,7 +8,7 @@
 #include "src/base/printable.h"
 #include "src/job/report/human.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 using Row = std::vector<std::string>;
@@ -221,4 +221,4 @@ nlohmann::ordered_json local_node_json(const LocalNodeState& node) {
   return json;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -7,7 +7,7 @@
 
 #include "service.pb.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // A node of a cluster on this machine, and its process.
 struct LocalNodeState {
@@ -39,4 +39,4 @@ nlohmann::ordered_json node_json(const proto::NodeInfo& node);
 // Returns node_json() of the node with "pid" (0: the node does not run) and "log".
 nlohmann::ordered_json local_node_json(const LocalNodeState& node);
 
-}  // namespace tessera
+}  // namespace tessera::apps

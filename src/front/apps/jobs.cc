@@ -14,7 +14,7 @@
 #include "src/front/apps/watching.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 constexpr const char* states = "accepted, running, successful, failed, dismissed";
@@ -115,4 +115,4 @@ Command add_cancel(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -20,7 +20,7 @@
 #include "src/cluster/certs/certificates.h"
 #include "src/service/client/address.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace fs = std::filesystem;
 namespace {
 
@@ -185,7 +185,7 @@ Status start_node(LocalCluster& cluster, LocalNode& node) {
   BOOST_OUTCOME_TRYV(write_local_cluster(cluster));
   if (!first) return success();
   BOOST_OUTCOME_TRY(line, first_line(started.output));
-  const auto address = parse_address(line);
+  const auto address = client::parse_address(line);
   if (!address) return error(Errc::io, node.name + " has ended: " + last_words(cluster, node));
   return write_private(local_token_file(cluster.folder), std::as_bytes(std::span(address.value().token)));
 }
@@ -198,4 +198,4 @@ std::string last_words(const LocalCluster& cluster, const LocalNode& node) {
   return std::string(text.substr(text.rfind('\n') + 1));
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -11,7 +11,7 @@
 #include "src/base/result.h"
 #include "src/front/apps/local_process.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 struct LocalNode {
   std::string name;
@@ -46,4 +46,4 @@ Status start_node(LocalCluster& cluster, LocalNode& node);
 // Returns the last line of a node's log; "" if there is none.
 std::string last_words(const LocalCluster& cluster, const LocalNode& node);
 
-}  // namespace tessera
+}  // namespace tessera::apps

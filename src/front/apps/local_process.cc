@@ -19,7 +19,7 @@ extern "C" {  // the header of glibc 2.36 does not say extern "C"
 
 #include "src/base/files/process.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
@@ -114,4 +114,4 @@ bool RunningProcess::ends_within(std::chrono::milliseconds time) const {
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

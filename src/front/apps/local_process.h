@@ -13,7 +13,7 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // Identifies a process by its number and its start time, because the number may belong to another process later.
 struct ProcessId {
@@ -46,4 +46,4 @@ class RunningProcess {
   FileHandle handle_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -5,7 +5,7 @@
 
 #include "src/base/printable.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 void start_log() {
   auto logger = spdlog::stderr_color_mt("tessera");
@@ -18,4 +18,4 @@ void log_everything() { spdlog::set_level(spdlog::level::debug); }
 
 void log_debug(const std::string& message) { spdlog::debug("{}", printable(message)); }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -3,10 +3,10 @@
 
 #include <string>
 
-namespace tessera {
+namespace tessera::apps {
 
 void start_log();       // must be called once, before all others
 void log_everything();  // for -v
 void log_debug(const std::string& message);
 
-}  // namespace tessera
+}  // namespace tessera::apps

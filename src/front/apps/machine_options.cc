@@ -4,7 +4,7 @@
 #include "src/job/job_options.h"
 #include "src/job/machine.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 void add_memory_option(Command& command, const std::string& of) {
   add_value(command, "memory", "SIZE",
@@ -28,4 +28,4 @@ Result<std::uint32_t> threads_option(const Settings& settings) {
   return threads.value_or(0) > 0 ? static_cast<std::uint32_t>(*threads) : usable_processors();
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -8,7 +8,7 @@
 #include "src/front/apps/command.h"
 #include "src/front/apps/settings.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // `of`: what the memory is for, for example "tiles and lines".
 void add_memory_option(Command& command, const std::string& of);
@@ -18,4 +18,4 @@ void add_threads_option(Command& command);
 Result<std::uint64_t> memory_option(const Settings& settings);
 Result<std::uint32_t> threads_option(const Settings& settings);
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -7,7 +7,7 @@
 
 #include "src/job/version.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
@@ -144,4 +144,4 @@ std::string man_page(const Command& command) {
   return page + exit_statuses + ".SH SEE ALSO\n" + bold("tessera") + "(1)\n";
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -7,7 +7,7 @@
 
 #include "src/front/apps/command.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 std::string man_page_of_program(const CLI::App& root, const std::vector<Command>& commands);  // tessera(1)
 std::string man_page(const Command& command);                                                 // tessera-NAME(1)
@@ -15,4 +15,4 @@ std::string man_page(const Command& command);                                   
 // Returns the text escaped for roff: no character is markup, and hyphens are those that can be copied into a shell.
 std::string roff(const std::string& text);
 
-}  // namespace tessera
+}  // namespace tessera::apps

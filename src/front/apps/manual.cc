@@ -12,7 +12,7 @@
 #include "src/front/apps/completion.h"
 #include "src/front/apps/man_page.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status write_manual(const std::filesystem::path& folder) {
@@ -29,14 +29,14 @@ Status write_manual(const std::filesystem::path& folder) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::apps
 
 int main(int argc, char** argv) {
   if (argc != 2) {
     std::fputs("usage: tessera_manual FOLDER\n", stderr);
     return 2;
   }
-  const auto written = tessera::write_manual(argv[1]);
+  const auto written = tessera::apps::write_manual(argv[1]);
   if (written) return 0;
   std::fprintf(stderr, "tessera_manual: %s\n", tessera::in_plain_words(written.error().where).c_str());
   return static_cast<int>(written.error().code);

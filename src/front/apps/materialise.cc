@@ -18,7 +18,7 @@
 #include "src/job/arguments.h"
 #include "src/result/store/tile_store.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 void print(const Materialised& made, const OutputOptions& output) {
@@ -93,4 +93,4 @@ Command add_materialise(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

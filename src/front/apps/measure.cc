@@ -16,8 +16,16 @@
 #include "src/job/describe.h"
 #include "src/job/version.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
+
+// "volume of cells, star_volume of vertices"
+std::string columns_of(const Measured& measured) {
+  std::string text;
+  for (const auto& column : measured.columns)
+    text += (text.empty() ? "" : ", ") + column.name + (column.of_cells ? " of cells" : " of vertices");
+  return text;
+}
 
 void print(const Measured& measured, const OutputOptions& output) {
   if (output.json) {
@@ -28,13 +36,11 @@ void print(const Measured& measured, const OutputOptions& output) {
   const std::string unit = measured.unit.empty() ? "" : " " + measured.unit;
   const char* const folder = measured.folder.c_str();
   if (measured.made) {
-    say("%s: version %u has the columns %s of cells and %s of vertices\n", folder, measured.version,
-        measured.of_cells.c_str(), measured.of_vertices.c_str());
+    say("%s: version %u has the columns %s\n", folder, measured.version, columns_of(measured).c_str());
   } else {
-    say("%s: has the columns %s and %s already; nothing was changed\n", folder, measured.of_cells.c_str(),
-        measured.of_vertices.c_str());
+    say("%s: has the columns %s already; nothing was changed\n", folder, columns_of(measured).c_str());
   }
-  say("%s of all cells: %.17g%s\n", measured.of_cells.c_str(), measured.total, unit.c_str());
+  if (measured.total) say("%s of all cells: %.17g%s\n", measured.total_of.c_str(), *measured.total, unit.c_str());
   if (!measured.note.empty()) say("%s\n", measured.note.c_str());
 }
 
@@ -45,6 +51,10 @@ Status run_measure(Settings& settings, const std::string& folder, const std::vec
   MeasureOptions options{.command = command_line, .software_version = version()};
   BOOST_OUTCOME_TRY(volume, settings.on("volume"));
   options.volume = volume;
+  BOOST_OUTCOME_TRY(quality, settings.on("quality"));
+  options.quality = quality;
+  BOOST_OUTCOME_TRY(voronoi, settings.on("voronoi"));
+  options.voronoi = voronoi;
   BOOST_OUTCOME_TRY(memory, memory_option(settings));
   options.memory_bytes = memory;
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
@@ -71,13 +81,24 @@ Status run_columns(Settings& settings, const std::string& folder) {
 
 Command add_measure(CLI::App& root) {
   auto command = new_command(
-      root, "measure", "Computes columns of a result: the volume of each cell, and around each vertex",
+      root, "measure", "Computes columns of a result: volumes and shapes of cells, Voronoi cells of vertices",
       "  tessera measure out/ --volume                 (columns volume and star_volume; in 2D area, star_area)\n"
+      "  tessera measure out/ --quality                (columns radius_ratio, least_angle, largest_angle, "
+      "circumradius)\n"
+      "  tessera measure out/ --voronoi                (columns voronoi_volume, voronoi_neighbours, ...)\n"
       "  tessera measure out/ --volume --threads 4 --memory 2G\n"
       "  tessera columns out/                          (lists the columns)");
   add_switch(command, "volume",
              "the volume of each cell, and for each vertex the volume of the cells around it; for a 2D result areas", 0,
              true);
+  add_switch(command, "quality",
+             "the shape of each cell: radius_ratio (1: regular, 0: flat), least_angle and largest_angle in degrees (in "
+             "3D between facets), circumradius",
+             0, true);
+  add_switch(command, "voronoi",
+             "the Voronoi cell of each vertex: voronoi_volume and voronoi_surface (2D: voronoi_area, voronoi_boundary; "
+             "infinite on the hull), voronoi_neighbours, and the centroid voronoi_x, voronoi_y, voronoi_z",
+             0, true);
   add_threads_option(command);
   add_memory_option(command, "tiles");
   add_output_switches(command);
@@ -103,4 +124,4 @@ Command add_columns(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -11,7 +11,7 @@
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status run_nodes(Settings& settings) {
@@ -69,4 +69,4 @@ Command add_drain(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

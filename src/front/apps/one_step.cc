@@ -17,7 +17,7 @@
 #include "src/job/open_cloud.h"
 #include "src/job/report/progress_display.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 namespace fs = std::filesystem;
 
@@ -139,4 +139,4 @@ Status on_tiles(Settings& settings, const OneStep& what, const OutputOptions& ou
   return make_product(settings, what, folder.path() / "run", output, product);
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

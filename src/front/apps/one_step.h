@@ -10,7 +10,7 @@
 #include "src/front/apps/command.h"
 #include "src/job/job.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // Adds the argument, which is a result folder or point files, and the options that choose points of the files. Returns
 // the vector that gets the argument. `dimension`: of the triangulation; 0: adds the option --dim for it. REQUIRES: the
@@ -40,4 +40,4 @@ struct TileProduct {
 Status on_tiles(Settings& settings, const OneStep& what, const OutputOptions& output, const TileProduct& product,
                 const std::function<Status(const std::string& folder)>& use);
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -8,7 +8,7 @@
 #include "src/front/apps/server_options.h"
 #include "src/job/report/human.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -90,4 +90,4 @@ std::optional<Exported> exported_of(const Json& outcome) {
   return exported;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

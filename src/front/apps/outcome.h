@@ -9,7 +9,7 @@
 #include "src/result/export/export.h"
 #include "src/result/verify/verify.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 void print_verified(const std::string& result, const VerifyReport& report, const OutputOptions& output);
 // `max_edge`: the length as the user typed it, if given.
@@ -19,4 +19,4 @@ void print_exported(const Exported& exported, const std::optional<std::string>& 
 std::optional<VerifyReport> verified_of(const nlohmann::ordered_json& outcome);
 std::optional<Exported> exported_of(const nlohmann::ordered_json& outcome);
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -6,7 +6,7 @@
 
 #include "src/job/report/human.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 bool is_shown(const OutputOptions& output) {
@@ -40,4 +40,4 @@ void clear_line(const OutputOptions& output) {
   if (is_shown(output)) std::fprintf(stderr, "\r\x1b[K");
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

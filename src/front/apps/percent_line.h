@@ -7,7 +7,7 @@
 
 #include "src/front/apps/command.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // Returns a function that draws "fetching 12 % of 3.4 GiB", and draws it again when the percentage changes. The
 // function does nothing if stderr is no terminal, or `output` forbids it. `what`: "fetching".
@@ -18,4 +18,4 @@ std::function<void(double)> share_line(const std::string& what, const OutputOpti
 // Removes the line.
 void clear_line(const OutputOptions& output);
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -25,7 +25,7 @@
 #include "src/result/query/geojson.h"
 #include "src/result/query/stored_triangulation.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 // Reads "x,y x,y ...", or a GeoJSON file with one line.
@@ -135,4 +135,4 @@ Command add_profile(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -12,7 +12,7 @@
 #include "src/front/apps/query_run.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 struct Asked {
@@ -151,8 +151,8 @@ Command add_query(CLI::App& root) {
             "locate, interpolate: the names of the columns of the file with points, in order: x, y, z, or _ for a "
             "column to leave out; for example _,y,x",
             0, true);
-  add_value(command, "tile", "N",
-            "star, neighbours: the tile that owns the vertex; without it, the tiles are searched", 0, true);
+  add_value(command, "tile", "N", "star, neighbours: the tile that owns the vertex; without it, the tiles are searched",
+            0, true);
   add_value(command, "bbox", "BOX",
             "cells: the box xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax; its border belongs to it", 0, true);
   add_value(command, "polygon", "FILE", "cells: the polygons of a GeoJSON file, in the coordinates of the result", 0,
@@ -184,4 +184,4 @@ Command add_query(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

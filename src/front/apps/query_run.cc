@@ -15,7 +15,7 @@
 #include "src/result/query/answer_text.h"
 #include "src/result/query/neighbours.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 using query::StoredTriangulation;
@@ -162,4 +162,4 @@ Status query_interpolate(QueryRequest& request) {
   return answers->finish();
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

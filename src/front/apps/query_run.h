@@ -14,7 +14,7 @@
 #include "src/result/query/answers.h"
 #include "src/result/query/stored_triangulation.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 struct QueryRequest {
   std::filesystem::path folder;
@@ -38,4 +38,4 @@ Status query_neighbours(QueryRequest& request);
 Status query_cells(QueryRequest& request);
 Status query_interpolate(QueryRequest& request);
 
-}  // namespace tessera
+}  // namespace tessera::apps

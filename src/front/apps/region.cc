@@ -23,7 +23,7 @@
 #include "src/result/query/area.h"
 #include "src/tiling/budget/budget.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ Command add_region(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -18,7 +18,7 @@
 #include "src/front/apps/watching.h"
 #include "src/service/client/written.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 namespace fs = std::filesystem;
 
@@ -26,9 +26,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Result<proto::StatusInfo> submit(Server& server, const std::string& process, const Json& inputs,
+Result<proto::StatusInfo> submit(client::Server& server, const std::string& process, const Json& inputs,
                                  const std::stop_token& stop) {
-  auto submitted = server.submit(process, inputs, new_idempotency_key(), stop);
+  auto submitted = server.submit(process, inputs, client::new_idempotency_key(), stop);
   if (!submitted && submitted.error().code == Errc::interrupted)
     return error(Errc::interrupted, "interrupted; 'tessera jobs' tells whether the daemon has the job");
   return submitted;
@@ -97,7 +97,8 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
                     only_here({})));
   inputs["triangulation"] = without_slash(result);
   // A file that does not stay gets a unique name, so that it cannot replace a file of another user of the daemon.
-  const std::string made = detach ? target.filename().string() : new_idempotency_key() + target.extension().string();
+  const std::string made =
+      detach ? target.filename().string() : client::new_idempotency_key() + target.extension().string();
   inputs["output"] = made;
   BOOST_OUTCOME_TRY(server, open_server(settings));
   const Interrupt interrupt;
@@ -133,14 +134,14 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
 
 bool is_drawing(const proto::StatusInfo& job) { return job.process_id() == "dem" || job.process_id() == "contours"; }
 
-Status fetch_drawing(Server& server, const proto::StatusInfo& job, const fs::path& target, const OutputOptions& output,
-                     const std::stop_token& stop) {
+Status fetch_drawing(client::Server& server, const proto::StatusInfo& job, const fs::path& target,
+                     const OutputOptions& output, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(outcome, server.outcome(job.job_id(), stop));
-  BOOST_OUTCOME_TRY(files, written_files(outcome));
+  BOOST_OUTCOME_TRY(files, client::written_files(outcome));
   if (files.size() != 1)
     return error(Errc::io, server.address().text() + ": the server's answer is not what was asked for");
   const auto fetched =
-      fetch_written(server, job.triangulation(), files, {target}, percent_line("fetching", output), stop);
+      client::fetch_written(server, job.triangulation(), files, {target}, percent_line("fetching", output), stop);
   clear_line(output);
   BOOST_OUTCOME_TRYV(fetched);
   outcome["output"] = target.string();
@@ -149,4 +150,4 @@ Status fetch_drawing(Server& server, const proto::StatusInfo& job, const fs::pat
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -10,7 +10,7 @@
 #include "src/front/apps/command.h"
 #include "src/service/client/server.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 struct RemoteRegion {
   std::vector<std::string> inputs;
@@ -27,7 +27,7 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
 bool is_drawing(const proto::StatusInfo& job);
 // Downloads the file of a successful dem or contours job to `target`, replaces an existing file there, and prints the
 // outcome.
-Status fetch_drawing(Server& server, const proto::StatusInfo& job, const std::filesystem::path& target,
+Status fetch_drawing(client::Server& server, const proto::StatusInfo& job, const std::filesystem::path& target,
                      const OutputOptions& output, const std::stop_token& stop);
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -16,7 +16,7 @@
 #include "src/base/files/there.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -133,4 +133,4 @@ Result<Json> remote_inputs(const Settings& settings, const Descriptor& inputs, c
   return json;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

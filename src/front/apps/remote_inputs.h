@@ -13,7 +13,7 @@ namespace google::protobuf {
 class Descriptor;
 }
 
-namespace tessera {
+namespace tessera::apps {
 
 // Returns an object with a member for each option that some source gives, except the options in `here`, which the
 // daemon does not get. Error usage for an option without a field in `inputs` (from a variable it is ignored), and for a
@@ -35,4 +35,4 @@ Error advise_here(Error refused, const std::string& name);
 // Returns the name of a result without slashes at its end. A shell that completes the name of a folder adds a slash.
 std::string without_slash(std::string name);
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -17,7 +17,7 @@
 #include "src/job/describe.h"
 #include "src/service/client/written.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 namespace fs = std::filesystem;
 
@@ -25,13 +25,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Error no_json(const Server& server) {
+Error no_json(const client::Server& server) {
   return error(Errc::io, server.address().text() + ": the server's answer is not what was asked for");
 }
 
-Result<proto::StatusInfo> submit(Server& server, const char* process, const Json& inputs, const std::string& name,
-                                 const std::stop_token& stop) {
-  auto submitted = server.submit(process, inputs, new_idempotency_key(), stop);
+Result<proto::StatusInfo> submit(client::Server& server, const char* process, const Json& inputs,
+                                 const std::string& name, const std::stop_token& stop) {
+  auto submitted = server.submit(process, inputs, client::new_idempotency_key(), stop);
   if (submitted) return submitted;
   if (submitted.error().code == Errc::interrupted)
     return error(Errc::interrupted, "interrupted; 'tessera jobs' tells whether the daemon has the job");
@@ -58,20 +58,20 @@ Status verify_remotely(Settings& settings, const std::string& name, const Output
   return success();
 }
 
-Status fetch_export(Server& server, const proto::StatusInfo& job, const std::string& asked, const ExportTarget& target,
-                    const std::string& format, const std::optional<std::string>& max_edge, const OutputOptions& output,
-                    const std::stop_token& stop) {
+Status fetch_export(client::Server& server, const proto::StatusInfo& job, const std::string& asked,
+                    const ExportTarget& target, const std::string& format, const std::optional<std::string>& max_edge,
+                    const OutputOptions& output, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(outcome, server.outcome(job.job_id(), stop));
   auto exported = exported_of(outcome);
   if (!exported) return no_json(server);
-  BOOST_OUTCOME_TRY(files, written_files(outcome));
+  BOOST_OUTCOME_TRY(files, client::written_files(outcome));
   const std::string made = exported->path;
   if (!asked.empty() && made != asked) return no_json(server);
   BOOST_OUTCOME_TRY(places, target.folder
-                                ? places_in_folder(files, made, target.path)
-                                : places_beside(files, made, target.path, export_endings(target.path, format)));
+                                ? client::places_in_folder(files, made, target.path)
+                                : client::places_beside(files, made, target.path, export_endings(target.path, format)));
   const auto fetched =
-      fetch_written(server, job.triangulation(), files, places, percent_line("fetching", output), stop);
+      client::fetch_written(server, job.triangulation(), files, places, percent_line("fetching", output), stop);
   clear_line(output);
   BOOST_OUTCOME_TRYV(fetched);
   exported->path = target.path;
@@ -158,4 +158,4 @@ Status info_remotely(Settings& settings, const std::vector<std::string>& what, c
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

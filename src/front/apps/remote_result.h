@@ -11,7 +11,7 @@
 #include "src/result/export/export.h"
 #include "src/service/client/server.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // `name`: of the result; slashes at its end are ignored. Errors: those of watch_job().
 Status verify_remotely(Settings& settings, const std::string& name, const OutputOptions& output);
@@ -22,11 +22,11 @@ Status export_remotely(Settings& settings, const std::string& name, const std::f
 // Downloads the files of a successful export job to `target`, replaces existing files there, and prints the outcome.
 // `asked`: the name that the job was told to use, if it is known. `format`: the format that the user asked for, or
 // empty.
-Status fetch_export(Server& server, const proto::StatusInfo& job, const std::string& asked, const ExportTarget& target,
-                    const std::string& format, const std::optional<std::string>& max_edge, const OutputOptions& output,
-                    const std::stop_token& stop);
+Status fetch_export(client::Server& server, const proto::StatusInfo& job, const std::string& asked,
+                    const ExportTarget& target, const std::string& format, const std::optional<std::string>& max_edge,
+                    const OutputOptions& output, const std::stop_token& stop);
 
 // `what`: one result of the daemon, or inputs below its folders.
 Status info_remotely(Settings& settings, const std::vector<std::string>& what, const DescribeOptions& how);
 
-}  // namespace tessera
+}  // namespace tessera::apps

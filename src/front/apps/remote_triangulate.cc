@@ -8,7 +8,7 @@
 #include "src/front/apps/server_options.h"
 #include "src/front/apps/watching.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status refuse_what_is_local(const Settings& settings, const TriangulateOptions& options) {
@@ -22,9 +22,9 @@ Status refuse_what_is_local(const Settings& settings, const TriangulateOptions& 
   return success();
 }
 
-Result<proto::StatusInfo> submit(Server& server, const nlohmann::ordered_json& inputs) {
+Result<proto::StatusInfo> submit(client::Server& server, const nlohmann::ordered_json& inputs) {
   const Interrupt interrupt;
-  auto submitted = server.submit("triangulate", inputs, new_idempotency_key(), interrupt.token());
+  auto submitted = server.submit("triangulate", inputs, client::new_idempotency_key(), interrupt.token());
   if (!submitted && submitted.error().code == Errc::interrupted)
     return error(Errc::interrupted, "interrupted; 'tessera jobs' tells whether the daemon has the job");
   return submitted;
@@ -53,4 +53,4 @@ Status triangulate_remotely(Settings& settings, const TriangulateOptions& option
   return watch_job(server, settings, job.job_id(), options.output);
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

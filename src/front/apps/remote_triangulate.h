@@ -5,10 +5,10 @@
 #include "src/front/apps/settings.h"
 #include "src/front/apps/triangulate_options.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 // `options` were read from `settings` and are checked already. Error usage also for options that a daemon cannot
 // follow.
 Status triangulate_remotely(Settings& settings, const TriangulateOptions& options);
 
-}  // namespace tessera
+}  // namespace tessera::apps

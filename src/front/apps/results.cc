@@ -20,7 +20,7 @@
 #include "src/job/report/human.h"
 #include "src/service/client/fetch.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status run_results(Settings& settings) {
@@ -36,7 +36,7 @@ Status run_results(Settings& settings) {
 }
 
 // Downloads the files that an export, dem or contours job has written.
-Status fetch_of_job(Server& server, const std::string& id, const std::filesystem::path& path,
+Status fetch_of_job(client::Server& server, const std::string& id, const std::filesystem::path& path,
                     const OutputOptions& output, const std::stop_token& stop) {
   const auto job = server.job(id, stop);
   if (!job && job.error().code != Errc::usage) return job.error();
@@ -73,9 +73,9 @@ Status run_fetch(Settings& settings, const std::string& name) {
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(known, server.triangulation(name, interrupt.token()));
   if (!known) return fetch_of_job(server, name, folder, output, interrupt.token());
-  auto result = fetch_result(
+  auto result = client::fetch_result(
       server, name, folder,
-      [line = percent_line("fetching", output)](const FetchProgress& now) { line(now.bytes, now.bytes_total); },
+      [line = percent_line("fetching", output)](const client::FetchProgress& now) { line(now.bytes, now.bytes_total); },
       interrupt.token());
   clear_line(output);
   if (!result && result.error().code == Errc::interrupted)
@@ -132,4 +132,4 @@ Command add_fetch(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

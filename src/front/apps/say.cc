@@ -5,7 +5,7 @@
 
 #include "src/base/printable.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 std::string written(const char* format, std::va_list values) {
@@ -38,4 +38,4 @@ void say_beside(const char* format, ...) {
   va_end(values);
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

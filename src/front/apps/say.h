@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace tessera {
+namespace tessera::apps {
 
 // Print like printf, to stdout (say) or stderr (say_beside). Characters that are not printable (base/printable.h) are
 // replaced; line ends stay.
@@ -13,4 +13,4 @@ namespace tessera {
 // Prints to stdout: text for people like say(), JSON as it is.
 void say_whole(const std::string& text, bool is_json);
 
-}  // namespace tessera
+}  // namespace tessera::apps

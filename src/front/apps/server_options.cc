@@ -10,7 +10,7 @@
 #include "src/base/json/json_text.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Result<std::string> read_token(const std::string& path) {
@@ -50,11 +50,12 @@ Status refuse_detach(const Settings& settings) {
 
 bool names_server(const Settings& settings) { return !settings.text("server").value_or("").empty(); }
 
-Result<Server> open_server(Settings& settings) {
-  ServerOptions options;
+Result<client::Server> open_server(Settings& settings) {
+  client::ServerOptions options;
   if (!names_server(settings))
     return error(Errc::usage, "no daemon is named; give --server URL, or set TESSERA_SERVER");
-  BOOST_OUTCOME_TRY(address, settings.get("server", [](const std::string& text) { return parse_address(text); }));
+  BOOST_OUTCOME_TRY(address,
+                    settings.get("server", [](const std::string& text) { return client::parse_address(text); }));
   options.address = *std::move(address);
   BOOST_OUTCOME_TRYV(settings.exclusive("token-file", "token"));
   if (const auto file = settings.text("token-file"); file && !file->empty()) {
@@ -69,9 +70,9 @@ Result<Server> open_server(Settings& settings) {
   options.patience = std::chrono::seconds(patience.value_or(600));
   options.token_advice = "give it with --token-file, or in TESSERA_TOKEN";
   options.authorities_advice = "give the certificate of its authority with --ca FILE";
-  return Server::make(std::move(options));
+  return client::Server::make(std::move(options));
 }
 
 void print_json_line(const nlohmann::ordered_json& object) { std::printf("%s\n", json_text(object).c_str()); }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -15,7 +15,7 @@
 #include "src/base/files/there.h"
 #include "src/job/arguments.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 std::string environment_name(const std::string& prefix, const std::string& key) {
@@ -166,4 +166,4 @@ Status load_settings_file(const std::filesystem::path& path, const std::vector<S
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

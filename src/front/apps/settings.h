@@ -14,7 +14,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 class Settings {
  public:
@@ -79,4 +79,4 @@ class Settings {
 // or key that no command knows, or a value that is no string, number, boolean or list of those.
 Status load_settings_file(const std::filesystem::path& path, const std::vector<Settings*>& commands);
 
-}  // namespace tessera
+}  // namespace tessera::apps

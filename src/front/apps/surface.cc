@@ -21,7 +21,7 @@
 #include "src/job/surface_arguments.h"
 #include "src/result/tileset/tileset.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 using Bottom = SurfaceOptions::Bottom;
@@ -179,4 +179,4 @@ Command add_surface(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

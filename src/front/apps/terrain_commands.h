@@ -3,9 +3,9 @@
 
 #include "src/front/apps/command.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 Command add_contours(CLI::App& root);
 Command add_profile(CLI::App& root);
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -28,7 +28,7 @@
 #include "src/front/apps/settings.h"
 #include "src/front/apps/words.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 int fail(const Error& error, bool json) {
@@ -107,14 +107,14 @@ int tessera_main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::apps
 
 int main(int argc, char** argv) {
   try {
-    return tessera::tessera_main(argc, argv);
+    return tessera::apps::tessera_main(argc, argv);
   } catch (const std::bad_alloc&) {
-    return tessera::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"), false);
+    return tessera::apps::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"), false);
   } catch (const std::exception& e) {
-    return tessera::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()), false);
+    return tessera::apps::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()), false);
   }
 }

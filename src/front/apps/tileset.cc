@@ -17,7 +17,7 @@
 #include "src/job/arguments.h"
 #include "src/job/report/human.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 void print(const Tileset& made, const OutputOptions& output) {
@@ -77,4 +77,4 @@ Command add_tileset(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -23,7 +23,7 @@
 #include "src/surface/track/pulses.h"
 #include "src/surface/track/scan_angles.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 void print(const EstimatedTrack& found, const std::string& target, const OutputOptions& output) {
@@ -120,4 +120,4 @@ Command add_track(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -23,7 +23,7 @@
 #include "src/job/report/progress_display.h"
 #include "src/job/report/summary.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 // Makes malloc return more memory to the system, for jobs with little memory. By default each thread has a pool of its
@@ -108,4 +108,4 @@ Command add_triangulate(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -8,7 +8,7 @@
 #include "src/job/machine.h"
 #include "src/job/parse_crs.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Result<std::uint64_t> parse_positive_count(const std::string& text) {
@@ -183,4 +183,4 @@ bool reads_standard_input(const TriangulateOptions& options) {
   return std::find(options.inputs.begin(), options.inputs.end(), "-") != options.inputs.end();
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -10,7 +10,7 @@
 #include "src/front/apps/settings.h"
 #include "src/job/job_options.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 struct TriangulateOptions {
   std::vector<std::string> inputs;
@@ -36,4 +36,4 @@ Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vec
 // Returns whether the points come from standard input, which cannot be read again.
 bool reads_standard_input(const TriangulateOptions& options);
 
-}  // namespace tessera
+}  // namespace tessera::apps

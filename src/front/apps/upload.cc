@@ -18,7 +18,7 @@
 #include "src/front/apps/server_options.h"
 #include "src/job/report/human.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,7 +50,7 @@ Status run_upload(Settings& settings, const std::vector<std::string>& files) {
     BOOST_OUTCOME_TRY(there, bytes_if_there(file));
     const auto size = there.value_or(0);  // the size of a pipe is not known
     const auto line = percent_line("sending " + name + ":", output);
-    const auto sent = upload(
+    const auto sent = client::upload(
         server, file, folder, name, [&](std::uint64_t bytes) { line(bytes, size); }, interrupt.token());
     clear_line(output);
     if (!sent && sent.error().code == Errc::interrupted)
@@ -87,4 +87,4 @@ Command add_upload(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

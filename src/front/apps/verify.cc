@@ -20,7 +20,7 @@
 #include "src/job/surface_arguments.h"
 #include "src/surface/verify_surface.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 Status run_verify_surface(Settings& settings, const std::string& mesh, const VerifyOptions& common,
@@ -108,4 +108,4 @@ Command add_verify(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

@@ -9,10 +9,10 @@
 #include "src/front/apps/server_options.h"
 #include "src/front/apps/watching.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
-Result<proto::StatusInfo> resume(Server& server, const std::string& id) {
+Result<proto::StatusInfo> resume(client::Server& server, const std::string& id) {
   const Interrupt interrupt;
   return server.resume(id, interrupt.token());
 }
@@ -65,4 +65,4 @@ Command add_resume(CLI::App& root) {
   return command;
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

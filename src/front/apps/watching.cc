@@ -24,7 +24,7 @@
 #include "src/service/client/fetch.h"
 #include "src/service/client/messages.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 void set_progress(const proto::StatusInfo& job, Progress& progress) {
@@ -89,15 +89,15 @@ class Watch {
   proto::StatusInfo last_;
 };
 
-Status show_summary(Server& server, const proto::StatusInfo& job, const OutputOptions& output,
+Status show_summary(client::Server& server, const proto::StatusInfo& job, const OutputOptions& output,
                     const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(manifest, fetch_manifest(server, job.triangulation(), stop));
+  BOOST_OUTCOME_TRY(manifest, client::fetch_manifest(server, job.triangulation(), stop));
   const auto summary = summary_of(manifest, job.triangulation());
   say_whole(output.json ? summary_json(summary) + "\n" : summary_text(summary), output.json);
   return success();
 }
 
-Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOptions& output,
+Status show_outcome(client::Server& server, const proto::StatusInfo& job, const OutputOptions& output,
                     const std::stop_token& stop) {
   if (output.quiet) return success();
   if (job.process_id() == "triangulate") return show_summary(server, job, output, stop);
@@ -126,7 +126,7 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
 Error problem_of(const proto::StatusInfo& job) {
   const int cause = job.problem().cause();
   const bool known = cause >= static_cast<int>(Errc::usage) && cause <= static_cast<int>(Errc::internal);
-  const auto& said = job.problem().detail().empty() ? job.message() : sentence_of(job.problem());
+  const auto& said = job.problem().detail().empty() ? job.message() : client::sentence_of(job.problem());
   return error(known ? static_cast<Errc>(cause) : Errc::internal,
                said.empty() ? "job " + job.job_id() + " has failed, and the daemon does not say why" : said);
 }
@@ -136,7 +136,7 @@ Error problem_of(const proto::StatusInfo& job) {
 std::string command_for(const Settings& settings, const std::string& verb, const std::string& id) {
   std::string text = "tessera " + verb + " " + id;
   if (settings.source("server") == Settings::Source::flag) {
-    const auto address = parse_address(settings.text("server").value_or(""));
+    const auto address = client::parse_address(settings.text("server").value_or(""));
     if (address) text += " --server " + address.value().text();  // this text has no token
   }
   return "'" + text + "'";
@@ -160,7 +160,7 @@ void print_detached(const Settings& settings, const proto::StatusInfo& job, cons
   }
 }
 
-Result<proto::StatusInfo> await_job(Server& server, const Settings& settings, const std::string& id,
+Result<proto::StatusInfo> await_job(client::Server& server, const Settings& settings, const std::string& id,
                                     const OutputOptions& output, const std::stop_token& stop) {
   Watch watch(output);
   const auto on_gone = [&](const std::string& why) {
@@ -189,10 +189,10 @@ Result<proto::StatusInfo> await_job(Server& server, const Settings& settings, co
   return problem_of(job);
 }
 
-Status watch_job(Server& server, const Settings& settings, const std::string& id, const OutputOptions& output) {
+Status watch_job(client::Server& server, const Settings& settings, const std::string& id, const OutputOptions& output) {
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(job, await_job(server, settings, id, output, interrupt.token()));
   return show_outcome(server, job, output, interrupt.token());
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

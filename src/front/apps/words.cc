@@ -1,6 +1,6 @@
 #include "src/front/apps/words.h"
 
-namespace tessera {
+namespace tessera::apps {
 
 std::string flag_name(std::string_view key, std::string_view value) {
   const std::string name(key);
@@ -9,4 +9,4 @@ std::string flag_name(std::string_view key, std::string_view value) {
   return "--" + name + " " + std::string(value);
 }
 
-}  // namespace tessera
+}  // namespace tessera::apps

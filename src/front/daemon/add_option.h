@@ -6,9 +6,9 @@
 
 #include "src/front/apps/settings.h"
 
-namespace tessera {
+namespace tessera::daemon {
 
-inline void add_option(CLI::App& app, Settings& settings, const std::string& key, const std::string& metavar,
+inline void add_option(CLI::App& app, apps::Settings& settings, const std::string& key, const std::string& metavar,
                        const std::string& help) {
   settings.declare(key);
   app.add_option_function<std::string>(
@@ -16,10 +16,10 @@ inline void add_option(CLI::App& app, Settings& settings, const std::string& key
       ->type_name(metavar);
 }
 
-inline void add_switch(CLI::App& app, Settings& settings, const std::string& key, const std::string& help) {
+inline void add_switch(CLI::App& app, apps::Settings& settings, const std::string& key, const std::string& help) {
   settings.declare(key);
   app.add_flag_callback(
       "--" + key, [&settings, key] { settings.set_flag(key, "true"); }, help);
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

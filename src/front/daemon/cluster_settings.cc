@@ -12,7 +12,7 @@
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 Result<std::vector<HostPort>> parse_addresses(const std::string& text) {
@@ -38,7 +38,7 @@ Status read_roles(const std::string& text, ClusterOptions& out) {
 
 }  // namespace
 
-void add_cluster_options(CLI::App& app, Settings& settings) {
+void add_cluster_options(CLI::App& app, apps::Settings& settings) {
   add_option(app, settings, "cluster", "HOST:PORT",
              "the address at which this process of a cluster listens for the others");
   add_option(app, settings, "advertise", "HOST:PORT",
@@ -61,7 +61,7 @@ void add_cluster_options(CLI::App& app, Settings& settings) {
              "how long a node that is told to end may take to hand over its tiles; default: 20s");
 }
 
-Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& settings,
+Result<std::optional<ClusterOptions>> read_cluster_options(const apps::Settings& settings,
                                                            const std::filesystem::path& data) {
   const auto text = [](const std::string& t) -> Result<std::string> { return t; };
   BOOST_OUTCOME_TRY(listen, settings.get("cluster", parse_host_port));
@@ -112,4 +112,4 @@ Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& setti
   return std::optional(std::move(out));
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

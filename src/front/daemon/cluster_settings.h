@@ -12,11 +12,12 @@ namespace CLI {
 class App;
 }
 
-namespace tessera {
+namespace tessera::daemon {
 
-void add_cluster_options(CLI::App& app, Settings& settings);
+void add_cluster_options(CLI::App& app, apps::Settings& settings);
 // Returns the options; no value if the daemon is to work alone. Errors: usage, with the source and the reason; io and
 // usage for certificates.
-Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& settings, const std::filesystem::path& data);
+Result<std::optional<ClusterOptions>> read_cluster_options(const apps::Settings& settings,
+                                                           const std::filesystem::path& data);
 
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -14,7 +14,7 @@
 #include "src/base/json/json_text.h"
 #include "src/base/printable.h"
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 // Writes each message as one line. Messages contain text from callers, which may have line ends and control sequences.
@@ -54,4 +54,4 @@ void start_daemon_log(bool json, bool insecure) {
   spdlog::set_default_logger(std::move(logger));
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -15,7 +15,7 @@
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 constexpr std::uint64_t data_lease_min_s = 2, data_lease_max_s = 3600;
@@ -36,7 +36,7 @@ Result<std::uint64_t> bytes_or_unlimited(const std::string& text) {
   return text == "unlimited" ? Result<std::uint64_t>(std::uint64_t{0}) : parse_memory(text);
 }
 
-Status read_limits(const Settings& settings, service::ServiceLimits& limits) {
+Status read_limits(const apps::Settings& settings, service::ServiceLimits& limits) {
   BOOST_OUTCOME_TRY(queued, settings.get("queued", at_least_one));
   BOOST_OUTCOME_TRY(jobs, settings.get("jobs", at_least_one));
   BOOST_OUTCOME_TRY(points, settings.get("points", [](const std::string& t) { return count_or(t, "unlimited"); }));
@@ -87,7 +87,7 @@ Result<std::uint64_t> parse_duration(std::string_view text) {
 }
 
 void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
-  Settings& top = settings.top;
+  apps::Settings& top = settings.top;
   add_option(app, top, "config", "FILE", "read options from this TOML file (see config/tesserad.toml)");
   add_option(app, top, "data", "DIR", "the folder of jobs, results and tokens; it is made if it is missing");
   add_option(app, top, "listen", "ADDRESS", "the address of the API; default: 127.0.0.1:7070");
@@ -117,11 +117,11 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
 
 Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
                                           const std::function<const char*(const char*)>& get_environment) {
-  Settings& top = settings.top;
+  apps::Settings& top = settings.top;
   top.load_environment(get_environment);
   settings.limits.load_environment(get_environment);
   if (const auto file = top.text("config")) {
-    BOOST_OUTCOME_TRYV(load_settings_file(*file, {&top, &settings.limits}));
+    BOOST_OUTCOME_TRYV(apps::load_settings_file(*file, {&top, &settings.limits}));
   }
 
   DaemonOptions out;
@@ -186,4 +186,4 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   return out;
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -14,7 +14,7 @@ namespace CLI {
 class App;
 }
 
-namespace tessera {
+namespace tessera::daemon {
 
 struct DaemonOptions {
   service::ServiceOptions service;  // with the options of the cluster, also for a process that only works for a cluster
@@ -25,8 +25,8 @@ struct DaemonOptions {
 
 // The text that the sources have for each option.
 struct DaemonSettings {
-  Settings top{"", "TESSERAD_"};
-  Settings limits{"limits", "TESSERAD_LIMITS_"};
+  apps::Settings top{"", "TESSERAD_"};
+  apps::Settings limits{"limits", "TESSERAD_LIMITS_"};
 };
 
 void add_daemon_options(CLI::App& app, DaemonSettings& settings);
@@ -39,4 +39,4 @@ Result<service::http::ListenOptions> parse_listen_address(std::string_view text)
 // Parses "90", "90s", "15m", "12h", "30d"; "forever" is 0. Returns seconds. Error usage.
 Result<std::uint64_t> parse_duration(std::string_view text);
 
-}  // namespace tessera
+}  // namespace tessera::daemon

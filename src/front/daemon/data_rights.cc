@@ -5,7 +5,7 @@
 
 #include "src/base/files/there.h"
 
-namespace tessera {
+namespace tessera::daemon {
 
 Result<std::optional<std::string>> who_else_may_enter(const std::filesystem::path& data) {
   BOOST_OUTCOME_TRY(found, look_at(data));
@@ -16,4 +16,4 @@ Result<std::optional<std::string>> who_else_may_enter(const std::filesystem::pat
                        " can read this folder, with its jobs and results; 'chmod 700' keeps them out");
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -24,7 +24,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 constexpr char format[8] = {'T', 'S', 'L', 'I', 'F', 'E', '1', '\n'};
@@ -226,4 +226,4 @@ void LastWords::ends(const Status& served) {
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -13,7 +13,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::daemon {
 
 class LastWords {
  public:
@@ -45,4 +45,4 @@ class LastWords {
   std::string before_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::daemon

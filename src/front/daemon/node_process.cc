@@ -28,7 +28,7 @@
 #include "src/service/http/server.h"
 #include "src/service/processes/costs.h"
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 constexpr std::chrono::milliseconds telling{500};  // between two records of what the process does
@@ -181,4 +181,4 @@ Status serve_node(const service::ServiceOptions& options, service::http::ServerO
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

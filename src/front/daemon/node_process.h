@@ -12,7 +12,7 @@
 #include "src/service/http/server.h"
 #include "src/service/service.h"
 
-namespace tessera {
+namespace tessera::daemon {
 
 // Takes the folder for tiles that are not in memory, for this process alone, and removes what earlier processes have
 // left there. Errors: usage if another process has the folder; io.
@@ -26,4 +26,4 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch);
 Status serve_node(const service::ServiceOptions& options, service::http::ServerOptions http, LastWords& words,
                   const std::function<void()>& begin_anew);
 
-}  // namespace tessera
+}  // namespace tessera::daemon

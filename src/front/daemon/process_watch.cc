@@ -8,7 +8,7 @@
 #include "src/base/thread_name.h"
 #include "src/cluster/certs/certificates.h"
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 using std::chrono::system_clock;
@@ -55,4 +55,4 @@ void ProcessWatch::look_whether_ready() {
   if (!why) spdlog::info("this process is ready again");
 }
 
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-namespace tessera {
+namespace tessera::daemon {
 
 class ProcessWatch {
  public:
@@ -37,4 +37,4 @@ class ProcessWatch {
   std::jthread thread_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::daemon

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace tessera::supervisor {
+namespace tessera::daemon::supervisor {
 
 void ready(const std::string& status) { sd_notify(0, ("READY=1\nSTATUS=" + status).c_str()); }
 
@@ -27,4 +27,4 @@ std::optional<std::chrono::microseconds> watchdog() {
   return std::chrono::microseconds(microseconds);
 }
 
-}  // namespace tessera::supervisor
+}  // namespace tessera::daemon::supervisor

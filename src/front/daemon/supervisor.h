@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace tessera::supervisor {
+namespace tessera::daemon::supervisor {
 
 void ready(const std::string& status);
 void reloading();
@@ -14,4 +14,4 @@ void alive();
 // Returns the longest time between two calls of alive() that the supervisor accepts; no value if it expects no calls.
 std::optional<std::chrono::microseconds> watchdog();
 
-}  // namespace tessera::supervisor
+}  // namespace tessera::daemon::supervisor

@@ -39,14 +39,14 @@
 #include "src/service/http/server.h"
 #include "src/service/service.h"
 
-namespace tessera {
+namespace tessera::daemon {
 namespace {
 
 constexpr std::chrono::seconds drain_time{10};
 
 // Reports an error on stderr, with `json` as a line of the log, and returns the exit status.
 int fail(const Error& error, bool json = false) {
-  const std::string sentence = render(error.where, flag_name);
+  const std::string sentence = render(error.where, apps::flag_name);
   if (json) {
     if (!spdlog::get(daemon_log_name)) start_daemon_log(true, false);
     spdlog::error("{}", sentence);
@@ -114,7 +114,7 @@ class Life {
       supervisor::reloading();
       if (const Status reloaded = server_->reload(); !reloaded) {
         spdlog::error("{}; the tokens, certificate and key that were read before stay in use",
-                      render(reloaded.error().where, flag_name));
+                      render(reloaded.error().where, apps::flag_name));
       } else {
         spdlog::info("tokens, certificate and key were read again");
       }
@@ -178,8 +178,8 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   Turn turn(life, options.service.data_lease);
   options.service.locked = [&turn](const Error& why) { return turn.wait(why); };
   options.service.lost = [words](const Error& why) { end_without_data_folder(why, words); };
-  options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
-  options.service.note = [](const std::string& line) { spdlog::info("{}", render(line, flag_name)); };
+  options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, apps::flag_name)); };
+  options.service.note = [](const std::string& line) { spdlog::info("{}", render(line, apps::flag_name)); };
   const std::optional<ClusterOptions> cluster = options.service.cluster;
   auto opened = service::Service::open(std::move(options.service));
   if (!opened && turn.given_up()) return success();
@@ -250,7 +250,7 @@ int tesserad_main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& wrong) {
-    return fail(error(Errc::usage, wrong_arguments(app, "tesserad", wrong) + "; see 'tesserad --help'"),
+    return fail(error(Errc::usage, apps::wrong_arguments(app, "tesserad", wrong) + "; see 'tesserad --help'"),
                 settings.top.text("log") == "json");
   }
   if (health->parsed()) {
@@ -271,14 +271,14 @@ int tesserad_main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::daemon
 
 int main(int argc, char** argv) {
   try {
-    return tessera::tesserad_main(argc, argv);
+    return tessera::daemon::tesserad_main(argc, argv);
   } catch (const std::bad_alloc&) {
-    return tessera::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"));
+    return tessera::daemon::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"));
   } catch (const std::exception& e) {
-    return tessera::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()));
+    return tessera::daemon::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()));
   }
 }

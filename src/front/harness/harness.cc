@@ -23,7 +23,7 @@
 #include "src/job/report/human.h"
 #include "src/tiling/partition.h"
 
-namespace tessera {
+namespace tessera::apps {
 namespace {
 
 constexpr std::int64_t points_max = 1'000'000;  // the comparison needs every cell in memory
@@ -206,11 +206,11 @@ int harness_main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::apps
 
 int main(int argc, char** argv) {
   try {
-    return tessera::harness_main(argc, argv);
+    return tessera::apps::harness_main(argc, argv);
   } catch (const std::exception& thrown) {
     std::fprintf(stderr, "tessera-harness: unexpected: %s\n", thrown.what());
     return static_cast<int>(tessera::Errc::internal);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -15,6 +16,10 @@ namespace tessera {
 struct MeasureOptions {
   // The volume of each cell, and for each vertex the sum over the cells around it; in 2D areas in the plane.
   bool volume = false;
+  // The shape of each cell: radius ratio, angles, circumradius (cell_quality.h).
+  bool quality = false;
+  // The Voronoi cell of each vertex: volume, surface, number of neighbours, centroid; in 2D area and boundary.
+  bool voronoi = false;
   std::uint64_t memory_bytes = 0;         // at least the memory of one tile is used
   unsigned threads = 0;                   // 0: one
   std::vector<std::string> command = {};  // for the manifest
@@ -27,10 +32,16 @@ struct Measured {
   std::filesystem::path folder;
   std::uint32_t version = 1;  // of the result, after the call
   bool made = true;           // false: the columns existed already, and nothing was changed
-  std::string of_cells;       // the names of the columns
-  std::string of_vertices;
-  double total = 0;            // over all cells, rounded once; depends only on the triangulation
-  std::string unit;            // "metre^3"; "" when unknown
+  struct Column {
+    std::string name;
+    bool of_cells = false;  // else of vertices
+  };
+  std::vector<Column> columns;  // all that were asked for
+  // The sum of the volumes or areas of all cells, rounded once, if volumes were asked for. It depends only on the
+  // triangulation.
+  std::optional<double> total = {};
+  std::string total_of;        // "volume" or "area"
+  std::string unit;            // of the total: "metre^3"; "" when unknown
   std::uint64_t infinite = 0;  // cells and vertices with values too large for a double
   std::string note;            // a remark about the values; else empty
 };

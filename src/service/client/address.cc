@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tessera {
+namespace tessera::client {
 namespace {
 
 constexpr std::string_view plain_scheme = "http://", tls_scheme = "https://";
@@ -139,4 +139,4 @@ Result<std::string> follow_link(const ServerAddress& server, std::string_view pa
   return without_dots(std::string(here.substr(0, here.rfind('/') + 1)) + std::string(target)) + query;
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -6,7 +6,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::client {
 
 struct ServerAddress {
   bool tls = false;
@@ -33,4 +33,4 @@ std::string percent_encoded(std::string_view text);
 // host is an error of the server: io.
 Result<std::string> follow_link(const ServerAddress& server, std::string_view path, std::string_view href);
 
-}  // namespace tessera
+}  // namespace tessera::client

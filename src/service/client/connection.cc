@@ -21,7 +21,7 @@
 #include <optional>
 #include <vector>
 
-namespace tessera {
+namespace tessera::client {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
@@ -344,4 +344,4 @@ Result<HttpAnswer> Connection::ask(const HttpRequest& request, const std::stop_t
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -16,7 +16,7 @@
 #include "src/base/result.h"
 #include "src/service/client/address.h"
 
-namespace tessera {
+namespace tessera::client {
 
 struct HttpRequest {
   std::string method = "GET";
@@ -69,4 +69,4 @@ class Connection {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -15,7 +15,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/service/client/patience.h"
 
-namespace tessera {
+namespace tessera::client {
 
 namespace fs = std::filesystem;
 
@@ -133,4 +133,4 @@ Status download(Server& server, const RemoteFile& file, const fs::path& to,
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -12,7 +12,7 @@
 #include "src/base/result.h"
 #include "src/service/client/server.h"
 
-namespace tessera {
+namespace tessera::client {
 
 struct RemoteFile {
   std::string triangulation;
@@ -31,4 +31,4 @@ struct RemoteFile {
 Status download(Server& server, const RemoteFile& file, const std::filesystem::path& to,
                 const std::function<void(std::uint64_t)>& on_bytes, const std::stop_token& stop);
 
-}  // namespace tessera
+}  // namespace tessera::client

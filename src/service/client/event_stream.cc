@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace tessera {
+namespace tessera::client {
 namespace {
 
 constexpr std::size_t event_bytes_max = 1 << 20;
@@ -49,4 +49,4 @@ Status EventStream::take_line() {
   return success();  // comments and other fields are ignored
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -7,7 +7,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::client {
 
 struct ServerEvent {
   std::string id;    // the last id that was sent, with this event or an earlier one
@@ -33,4 +33,4 @@ class EventStream {
   bool has_data_ = false;
 };
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -20,7 +20,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/service/client/download.h"
 
-namespace tessera {
+namespace tessera::client {
 
 namespace fs = std::filesystem;
 
@@ -179,4 +179,4 @@ Result<Fetched> fetch_result(Server& server, const std::string& triangulation, c
   return fetched;
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

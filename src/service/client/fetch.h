@@ -11,7 +11,7 @@
 #include "src/result/store/tile_store.h"
 #include "src/service/client/server.h"
 
-namespace tessera {
+namespace tessera::client {
 
 // Error corrupt when the server's answer is no manifest.
 Result<Manifest> fetch_manifest(Server& server, const std::string& triangulation, const std::stop_token& stop);
@@ -33,4 +33,4 @@ struct Fetched {
 Result<Fetched> fetch_result(Server& server, const std::string& triangulation, const std::filesystem::path& folder,
                              const std::function<void(const FetchProgress&)>& on_progress, const std::stop_token& stop);
 
-}  // namespace tessera
+}  // namespace tessera::client

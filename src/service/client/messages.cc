@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace tessera {
+namespace tessera::client {
 
 bool read_message(std::string_view json, google::protobuf::Message& message) {
   google::protobuf::util::JsonParseOptions options;
@@ -17,4 +17,4 @@ const std::string& sentence_of(const proto::Problem& problem) {
   return problem.marked().empty() ? problem.detail() : problem.marked();
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -8,7 +8,7 @@
 
 #include "service.pb.h"
 
-namespace tessera {
+namespace tessera::client {
 
 // Replaces `message`. Returns false when `json` is no object of this kind.
 bool read_message(std::string_view json, google::protobuf::Message& message);
@@ -16,4 +16,4 @@ bool read_message(std::string_view json, google::protobuf::Message& message);
 // The sentence of a problem, with marks for options when the daemon sends them (src/base/option.h).
 const std::string& sentence_of(const proto::Problem& problem);
 
-}  // namespace tessera
+}  // namespace tessera::client

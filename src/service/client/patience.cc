@@ -4,7 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 
-namespace tessera {
+namespace tessera::client {
 
 void Patience::restart() {
   heard_ = Clock::now();
@@ -26,4 +26,4 @@ Status Patience::pause(const std::stop_token& stop) {
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

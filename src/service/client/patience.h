@@ -6,7 +6,7 @@
 
 #include "src/base/result.h"
 
-namespace tessera {
+namespace tessera::client {
 
 class Patience {
  public:
@@ -26,4 +26,4 @@ class Patience {
   std::chrono::milliseconds pause_ = shortest;
 };
 
-}  // namespace tessera
+}  // namespace tessera::client

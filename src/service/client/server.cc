@@ -13,7 +13,7 @@
 #include "src/service/client/messages.h"
 #include "src/service/client/patience.h"
 
-namespace tessera {
+namespace tessera::client {
 namespace {
 
 constexpr std::chrono::seconds silence_of_events{45};  // the server sends something every 15 s
@@ -290,4 +290,4 @@ Status Server::events(const std::string& id, const OnEvent& on_event,
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

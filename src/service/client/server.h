@@ -18,7 +18,7 @@
 #include "src/service/client/address.h"
 #include "src/service/client/connection.h"
 
-namespace tessera {
+namespace tessera::client {
 
 struct ServerOptions {
   ServerAddress address;
@@ -121,4 +121,4 @@ class Server {
   bool heard_ = false;                // the server has answered a request
 };
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -7,7 +7,7 @@
 #include "src/service/client/messages.h"
 #include "src/service/client/server.h"
 
-namespace tessera {
+namespace tessera::client {
 
 Result<std::optional<proto::TriangulationInfo>> Server::triangulation(const std::string& name,
                                                                       const std::stop_token& stop) {
@@ -78,4 +78,4 @@ Status Server::upload(const std::string& folder, const std::string& file, std::u
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

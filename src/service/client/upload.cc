@@ -11,7 +11,7 @@
 #include "src/base/files/descriptor.h"
 #include "src/service/client/patience.h"
 
-namespace tessera {
+namespace tessera::client {
 
 namespace fs = std::filesystem;
 
@@ -66,4 +66,4 @@ Result<std::uint64_t> upload(Server& server, const fs::path& path, const std::st
   }
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

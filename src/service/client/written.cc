@@ -8,7 +8,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/service/client/download.h"
 
-namespace tessera {
+namespace tessera::client {
 
 namespace fs = std::filesystem;
 
@@ -115,4 +115,4 @@ Status fetch_written(Server& server, const std::string& triangulation, const std
   return success();
 }
 
-}  // namespace tessera
+}  // namespace tessera::client

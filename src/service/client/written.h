@@ -13,7 +13,7 @@
 #include "src/base/result.h"
 #include "src/service/client/server.h"
 
-namespace tessera {
+namespace tessera::client {
 
 struct WrittenFile {
   std::string path;    // below the result: "exports/tiles/000042.vtu"
@@ -43,4 +43,4 @@ Status fetch_written(Server& server, const std::string& triangulation, const std
                      const std::function<void(std::uint64_t bytes, std::uint64_t total)>& on_progress,
                      const std::stop_token& stop);
 
-}  // namespace tessera
+}  // namespace tessera::client

@@ -27,15 +27,16 @@ struct Entry {
 constexpr Entry entries[] = {
     {"/v1", "self", json, "This page"},
     {"/v1/api", "service-desc", "application/vnd.oai.openapi+json;version=3.0", "The API"},
-    {"/v1/conformance", "http://www.opengis.net/def/rel/ogc/1.0/conformance", json, "What it conforms to"},
-    {"/v1/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", json, "What can be done"},
+    {"/v1/conformance", "http://www.opengis.net/def/rel/ogc/1.0/conformance", json,
+     "The standards that the service conforms to"},
+    {"/v1/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", json, "The processes: the kinds of jobs"},
     {"/v1/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "The jobs"},
     {"/v1/triangulations", "triangulations", json, "The results"},
     {"/v1/inputs", "inputs", json, "The files that jobs may read"},
-    {"/v1/collections", "data", json, "The results on maps"},
-    {"/v1/nodes", "nodes", json, "Who works on the jobs"},
-    {"/v1/caller", "caller", json, "Who you are"},
-    {"/v1/events", "events", "text/event-stream", "What happens"},
+    {"/v1/collections", "data", json, "The results as features on maps"},
+    {"/v1/nodes", "nodes", json, "The nodes that work on the jobs"},
+    {"/v1/caller", "caller", json, "The name and role of your token"},
+    {"/v1/events", "events", "text/event-stream", "Events of all jobs, as they come"},
     {"/ui/", "alternate", "text/html", "The dashboard"}};
 
 Answer landing(const Call& call) {
@@ -85,7 +86,7 @@ Answer conformance(const Call&) {
 Answer process_list(const Call& call) {
   ordered_json list{{"processes", ordered_json::array()}, {"links", ordered_json::array()}};
   for (const Process* process : all_processes())
-    list["processes"].push_back(process_summary(process, call.context.links, call.request));
+    list["processes"].push_back(process_summary(*process, call.context.links, call.request));
   list["links"].push_back(
       {{"href", call.context.links.to(call.request, "/v1/processes")}, {"rel", "self"}, {"type", json}});
   return json_answer(200, json_text(list));
@@ -126,16 +127,16 @@ Answer ready(const Call& call, const Operations& operations) {
 
 void add_common_routes(std::vector<Route>& routes, Shared& shared) {
   const std::size_t first = routes.size();
-  const Response page{200, json, "LandingPage", "Where everything is"};
+  const Response page{200, json, "LandingPage", "Links to everything"};
   routes.push_back(
-      {"GET", "/", Role::read, "getRoot", "Where everything is; of browsers, the dashboard", {page}, landing});
-  routes.push_back({"GET", "/v1", Role::read, "getLandingPage", "Where everything is", {page}, landing});
+      {"GET", "/", Role::read, "getRoot", "Links to everything; a browser is sent to the dashboard", {page}, landing});
+  routes.push_back({"GET", "/v1", Role::read, "getLandingPage", "Links to everything", {page}, landing});
   routes.push_back({"GET",
                     "/v1/api",
                     Role::read,
                     "getApi",
-                    "This document",
-                    {{200, "application/vnd.oai.openapi+json;version=3.0", "", "OpenAPI 3.0"}},
+                    "This description of the API",
+                    {{200, "application/vnd.oai.openapi+json;version=3.0", "", "The description, in OpenAPI 3.0"}},
                     [&shared](const Call&) {
                       Answer answer = json_answer(200, shared.openapi);
                       answer.headers.back().second = "application/vnd.oai.openapi+json;version=3.0";
@@ -145,52 +146,56 @@ void add_common_routes(std::vector<Route>& routes, Shared& shared) {
                     "/v1/conformance",
                     Role::read,
                     "getConformance",
-                    "What it conforms to",
-                    {{200, json, "Conformance", "The classes of the standard"}},
+                    "The standards that the service conforms to",
+                    {{200, json, "Conformance", "The URIs of their conformance classes"}},
                     conformance});
   routes.push_back({"GET",
                     "/v1/processes",
                     Role::read,
                     "listProcesses",
-                    "What can be done",
+                    "The processes: the kinds of jobs",
                     {{200, json, "ProcessList", "The processes"}},
                     process_list});
   routes.push_back({"GET",
                     "/v1/processes/{process}",
                     Role::read,
                     "getProcess",
-                    "What goes in and what comes out",
+                    "A process, with its inputs and outputs",
                     {{200, json, "Process", "The process"}},
                     process});
   routes.push_back({"GET",
                     "/v1/caller",
                     Role::read,
                     "getCaller",
-                    "Who asks, and what that token may do",
-                    {{200, json, "CallerInfo", "Name and role of the token"}},
+                    "The name and role of the caller's token",
+                    {{200, json, "CallerInfo", "The name and the role"}},
                     caller});
   for (std::size_t at = first; at < routes.size(); ++at) routes[at].runs = Runs::at_once;
 }
 
 void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations) {
-  Route live{
-      "GET", "/livez", Role::none, "live", "Whether it answers", {{200, "text/plain", "", "It does"}}, [](const Call&) {
-        return text_answer(200, "live\n");
-      }};
-  Route is_ready{"GET",
-                 "/readyz",
-                 Role::none,
-                 "ready",
-                 "Whether it takes jobs",
-                 {{200, "text/plain", "", "It does"}, {503, "text/plain", "", "Why not"}},
-                 [operations](const Call& call) { return ready(call, operations); },
-                 {{"verbose", "string", "What was looked at"}}};
+  Route live{"GET",
+             "/livez",
+             Role::none,
+             "live",
+             "Tells whether the service answers",
+             {{200, "text/plain", "", "The service answers"}},
+             [](const Call&) { return text_answer(200, "live\n"); }};
+  Route is_ready{
+      "GET",
+      "/readyz",
+      Role::none,
+      "ready",
+      "Tells whether the service can take jobs",
+      {{200, "text/plain", "", "It can"}, {503, "text/plain", "", "It cannot; with verbose, the reason"}},
+      [operations](const Call& call) { return ready(call, operations); },
+      {{"verbose", "string", "Any value: also tell what was checked, and the reason when the service is not ready"}}};
   Route metrics{"GET",
                 "/metrics",
                 Role::none,
                 "metrics",
-                "Figures for Prometheus",
-                {{200, "text/plain", "", "In its text format"}},
+                "Metrics for Prometheus",
+                {{200, "text/plain", "", "The metrics, in the text format of Prometheus"}},
                 [&shared, operations](const Call&) {
                   shared.metrics->tell(process_figures(), !operations.unready());
                   return text_answer(200, operations.figures(*shared.metrics),

@@ -45,19 +45,19 @@ Answer file(const Call& call) { return file_of(call.request, call.arguments[0]);
 }  // namespace
 
 void add_dashboard_routes(std::vector<Route>& routes) {
-  const Response unchanged{304, "", "", "It is the one that If-None-Match names"};
+  const Response unchanged{304, "", "", "The file is the one that If-None-Match names"};
   Route ui{"GET",
            "/ui",
            Role::none,
            "getDashboard",
-           "The dashboard: a page for browsers, at /ui/",
-           {{200, "text/html", "", "The page"}, {303, "", "", "It stands at /ui/"}, unchanged},
+           "The dashboard, a page for browsers",
+           {{200, "text/html", "", "The page"}, {303, "", "", "The page is at /ui/"}, unchanged},
            dashboard};
   Route part{"GET",
              "/ui/{file}",
              Role::none,
              "getDashboardFile",
-             "What the dashboard is made of",
+             "A file of the dashboard",
              {{200, "text/javascript", "", "The file"}, unchanged},
              file};
   for (Route* route : {&ui, &part}) {

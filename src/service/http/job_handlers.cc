@@ -206,18 +206,18 @@ Answer events(const Call& call, Shared& shared, const std::string& id) {
 
 void add_job_routes(std::vector<Route>& routes, Shared& shared) {
   const Response status{200, json, "StatusInfo", "The job"};
-  const std::vector<Parameter> paging{{"limit", "integer", "How many at most"},
-                                      {"after", "string", "What ended the page before"}};
+  const std::vector<Parameter> paging{{"limit", "integer", "How many entries a page has at most"},
+                                      {"after", "string", "The last entry of the page before"}};
   std::vector<Parameter> filters = paging;
   filters.push_back({"status", "string", "Only jobs in these states, separated by commas"});
   filters.push_back({"processID", "string", "Only jobs of these processes, separated by commas"});
-  const Response stream{200, "text/event-stream", "", "Events as they come"};
+  const Response stream{200, "text/event-stream", "", "The events, as they come"};
   routes.push_back({"POST",
                     "/v1/processes/{process}/execution",
                     Role::submit,
                     "execute",
-                    "Have a process done",
-                    {{201, json, "StatusInfo", "The job; Location says where it is"},
+                    "Submit a job, which runs a process",
+                    {{201, json, "StatusInfo", "The job; the header Location has its address"},
                      {200, json, "Document", "The answer of a process that needs no job"}},
                     execute,
                     {},
@@ -226,8 +226,8 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     "/v1/processes/{process}/estimate",
                     Role::submit,
                     "estimate",
-                    "What it would take",
-                    {{200, json, "Estimate", "Time, memory, disk; or why it would be refused"}},
+                    "Estimate the time, memory and disk of a job",
+                    {{200, json, "Estimate", "The estimate; or the reason why the job would be refused"}},
                     estimate,
                     {},
                     "JsonExecute"});
@@ -239,40 +239,40 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     {{200, json, "JobList", "The jobs"}},
                     jobs,
                     filters});
-  routes.push_back({"GET", "/v1/jobs/{job}", Role::read, "getJob", "How it stands with a job", {status}, job});
+  routes.push_back({"GET", "/v1/jobs/{job}", Role::read, "getJob", "The status of a job", {status}, job});
   routes.push_back({"DELETE",
                     "/v1/jobs/{job}",
                     Role::submit,
                     "dismissJob",
-                    "Stop a job, or forget one that has ended; results stay",
+                    "Dismiss a job that waits or runs, or remove one that has ended; its result stays",
                     {status},
                     dismiss});
   routes.push_back({"GET",
                     "/v1/jobs/{job}/results",
                     Role::read,
                     "getResults",
-                    "What a job made",
-                    {{200, json, "Results", "Where it is"}},
+                    "The results of a job",
+                    {{200, json, "Results", "Links to the results"}},
                     results});
   routes.push_back({"GET",
                     "/v1/jobs/{job}/events",
                     Role::read,
                     "watchJob",
-                    "What happens to a job",
+                    "The events of a job: its states, progress and log",
                     {stream},
                     [&shared](const Call& call) { return events(call, shared, call.arguments[0]); }});
   routes.push_back(
-      {"GET", "/v1/events", Role::read, "watchAll", "What happens to all jobs", {stream}, [&shared](const Call& call) {
+      {"GET", "/v1/events", Role::read, "watchAll", "The events of all jobs", {stream}, [&shared](const Call& call) {
          return events(call, shared, {});
        }});
   routes.push_back({"GET",
                     "/v1/jobs/{job}/tiles",
                     Role::read,
                     "getTiles",
-                    "How far the tiles of a triangulation are",
-                    {{200, json, "JobTiles", "A letter for each"}},
+                    "The progress of each tile of a job of the process triangulate",
+                    {{200, json, "JobTiles", "The state of each tile, as a letter"}},
                     tiles,
-                    {{"layout", "boolean", "Also how they lie"}}});
+                    {{"layout", "boolean", "Also the boxes of the tiles"}}});
   routes.push_back({"GET",
                     "/v1/jobs/{job}/log",
                     Role::read,
@@ -284,11 +284,16 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     "/v1/jobs/{job}/report",
                     Role::read,
                     "getReport",
-                    "How a job went, as a page",
+                    "The report of a job, as a page",
                     {{200, "text/html", "", "The report"}, {206, "text/html", "", "A part of it"}},
                     report});
-  routes.push_back(
-      {"POST", "/v1/jobs/{job}/resume", Role::submit, "resumeJob", "Go on with a job that stopped", {status}, resume});
+  routes.push_back({"POST",
+                    "/v1/jobs/{job}/resume",
+                    Role::submit,
+                    "resumeJob",
+                    "Resume a job that has failed or was dismissed",
+                    {status},
+                    resume});
   // Answers that the service has in memory.
   for (Route& route : routes)
     for (const char* name : {"listJobs", "getJob", "watchJob", "watchAll"})

@@ -14,12 +14,13 @@ constexpr const char* map_relation = "http://www.opengis.net/def/rel/ogc/1.0/til
 // Adds links to the export's bytes and to what shows it: a map, features, a tileset.
 void add_links(const Call& call, proto::ExportInfo& made) {
   const Links& links = call.context.links;
-  Backend& backend = *call.context.backend;
+  const Backend& backend = *call.context.backend;
   const std::string& name = call.arguments[0];
   const std::string self = triangulation_path(name);
   made.clear_links();
   if (made.name() == tileset_of_result("").filename()) {
-    *made.add_links() = links.link(call.request, self + "/3dtiles/tileset.json", "item", json, "As 3D Tiles");
+    *made.add_links() =
+        links.link(call.request, self + "/3dtiles/tileset.json", "item", json, "The export as 3D Tiles");
     return;
   }
   const std::string path = (exports_folder("") / made.name()).string();
@@ -28,10 +29,10 @@ void add_links(const Call& call, proto::ExportInfo& made) {
     *made.add_links() = links.link(call.request, file_path(name, path), "item", file.value().type, "The file");
   }
   if (made.name() == "dem.tif" && backend.questions.map_extent(name))
-    *made.add_links() = links.link(call.request, self + "/map/tiles", map_relation, json, "As a map");
+    *made.add_links() = links.link(call.request, self + "/map/tiles", map_relation, json, "The export as a map");
   if (const std::string id = name + ".contours"; made.name() == "contours.gpkg" && backend.questions.collection(id))
     *made.add_links() =
-        links.link(call.request, "/v1/collections/" + encode_segment(id), "collection", json, "As features");
+        links.link(call.request, "/v1/collections/" + encode_segment(id), "collection", json, "The export as features");
 }
 
 Answer exports(const Call& call) {
@@ -73,25 +74,28 @@ Answer inputs(const Call& call) {
 }  // namespace
 
 void add_listing_routes(std::vector<Route>& routes) {
-  const Parameter limit{"limit", "integer", "How many at most"}, after{"after", "string", "What ended the page before"};
+  const Parameter limit{"limit", "integer", "How many entries a page has at most"},
+      after{"after", "string", "The last entry of the page before"};
   routes.push_back({"GET",
                     "/v1/triangulations/{triangulation}/exports",
                     Role::read,
                     "listExports",
-                    "What a result was made into: rasters, lines, meshes",
-                    {{200, json, "ExportList", "The exports, by name, in pages"}},
+                    "The exports of a result: rasters, lines, meshes",
+                    {{200, json, "ExportList", "The exports, sorted by name, in pages"}},
                     exports,
                     {limit, after}});
-  Route choice{"GET",
-               "/v1/inputs",
-               Role::submit,
-               "listInputs",
-               "What a folder holds that jobs may read: point files and folders",
-               {{200, json, "InputList", "By name, in pages"}},
-               inputs,
-               {{"folder", "string", "As answers name it; empty: all folders that are configured, and the uploads"},
-                limit,
-                after}};
+  Route choice{
+      "GET",
+      "/v1/inputs",
+      Role::submit,
+      "listInputs",
+      "The point files and folders in a folder that jobs may read",
+      {{200, json, "InputList", "The files and folders, sorted by name, in pages"}},
+      inputs,
+      {{"folder", "string",
+        "The name of a folder in another answer; default: all folders that are configured for inputs, and the uploads"},
+       limit,
+       after}};
   choice.runs = Runs::changes;
   routes.push_back(std::move(choice));
 }

@@ -51,7 +51,7 @@ ordered_json told(const Call& call, const FeatureCollection& collection) {
 Answer collections(const Call& call) {
   const auto found = call.context.backend->questions.collections();
   if (!found) return problem(found.error());
-  ordered_json list{{"links", {link(call, "/v1/collections", "self", json, "What there is for maps")}},
+  ordered_json list{{"links", {link(call, "/v1/collections", "self", json, "The collections of features, for maps")}},
                     {"collections", ordered_json::array()}};
   for (const FeatureCollection& one : found.value()) list["collections"].push_back(told(call, one));
   return json_answer(200, json_text(list));
@@ -184,35 +184,40 @@ Route route(std::string path, const char* name, const char* summary, std::vector
 }  // namespace
 
 void add_map_routes(std::vector<Route>& routes) {
-  const Parameter crs{"crs", "string", "The URI of a system of the collection in which they are told; CRS84"};
+  const Parameter crs{"crs", "string",
+                      "The URI of the coordinate system of the answer, one of the collection's; default: CRS84"};
   const std::string of_collection = "/v1/collections/{collection}";
   const std::string tiles = "/v1/triangulations/{triangulation}/map/tiles";
-  routes.push_back(route("/v1/collections", "listCollections", "What there is for maps",
-                         {{200, json, "Collections", "The collections of features"}}, collections));
-  routes.push_back(route(of_collection, "getCollection", "Footprints, hull or contour lines of a result",
+  routes.push_back(route("/v1/collections", "listCollections", "The collections of features, for maps",
+                         {{200, json, "Collections", "The collections"}}, collections));
+  routes.push_back(route(of_collection, "getCollection",
+                         "A collection: the areas of the tiles, the hull or the contour lines of a result",
                          {{200, json, "Collection", "The collection"}}, collection));
-  Route all =
-      route(of_collection + "/items", "getFeatures", "Features, in longitude and latitude or as the result has them",
-            {{200, geojson, "FeatureCollection", "A page of them; a link `next` as long as there are more"}}, items,
-            {{"bbox", "string", "west,south,east,north: only features that meet it"},
-             {"bbox-crs", "string", "The URI of the system of bbox; CRS84"},
-             crs,
-             {"limit", "integer", "How many at most: 10, up to 10000"},
-             {"after", "integer", "The id that ended the page before"},
-             {"datetime", "string", "Has no effect: the features have no time"}});
+  Route all = route(
+      of_collection + "/items", "getFeatures",
+      "The features of a collection, in longitude and latitude or in the coordinates of the result",
+      {{200, geojson, "FeatureCollection", "A page of features; it has a link `next` when there are more"}}, items,
+      {{"bbox", "string", "west,south,east,north: only features that meet it"},
+       {"bbox-crs", "string", "The URI of the coordinate system of bbox; default: CRS84"},
+       crs,
+       {"limit", "integer", "How many features a page has at most, up to 10000; default: 10"},
+       {"after", "integer", "The id of the last feature of the page before"},
+       {"datetime", "string", "Has no effect: the features have no time"}});
   all.runs = Runs::questions;
   routes.push_back(std::move(all));
   Route one = route(of_collection + "/items/{item}", "getFeature", "A feature",
                     {{200, geojson, "Feature", "The feature"}}, item, {crs});
   one.runs = Runs::questions;
   routes.push_back(std::move(one));
-  routes.push_back(route(tiles, "listMapTilesets", "The raster dem.tif of a 2D result as a map",
-                         {{200, json, "TileSets", "Its sets of tiles: one"}}, map_tilesets));
-  routes.push_back(route(tiles + "/WebMercatorQuad", "getMapTileset", "The raster dem.tif of a 2D result as a map",
-                         {{200, json, "TileSet", "Where it is, and its tiles"}}, map_tileset));
-  Route tile = route(tiles + "/WebMercatorQuad/{tileMatrix}/{tileRow}/{tileCol}", "getMapTile", "A tile of it",
+  routes.push_back(route(tiles, "listMapTilesets", "The map of a 2D result, made of its raster dem.tif",
+                         {{200, json, "TileSets", "The sets of tiles of the map, of which there is one"}},
+                         map_tilesets));
+  routes.push_back(route(tiles + "/WebMercatorQuad", "getMapTileset", "The tiles of the map of a 2D result",
+                         {{200, json, "TileSet", "The extent of the map, and links to its tiles"}}, map_tileset));
+  Route tile = route(tiles + "/WebMercatorQuad/{tileMatrix}/{tileRow}/{tileCol}", "getMapTile",
+                     "A tile of the map of a 2D result",
                      {{200, png, "", "256 x 256 pixels, transparent where there are no heights"}}, map_tile,
-                     {{"style", "string", "hillshade, or terrain-rgb: heights as colours"}});
+                     {{"style", "string", "hillshade (default), or terrain-rgb: the heights as colours"}});
   tile.runs = Runs::questions;
   routes.push_back(std::move(tile));
 }

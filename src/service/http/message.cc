@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "src/service/json.h"
+#include "src/service/questions/questions_backend.h"
 
 namespace tessera::service::http {
 namespace {

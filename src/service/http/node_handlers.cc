@@ -27,15 +27,15 @@ void add_node_routes(std::vector<Route>& routes) {
                     "/v1/nodes",
                     Role::read,
                     "listNodes",
-                    "Who works on the jobs",
-                    {{200, json, "NodeList", "The nodes, in order of coming"}},
+                    "The nodes that work on the jobs",
+                    {{200, json, "NodeList", "The nodes, in the order in which they joined"}},
                     nodes});
   routes.push_back({"POST",
                     "/v1/nodes/{node}/drain",
                     Role::admin,
                     "drainNode",
-                    "Take all work from a node, by its name or id, and let its process end",
-                    {{200, json, "NodeInfo", "The node, which goes"}},
+                    "Drain a node, given by name or id: take all work from it, and let its process end",
+                    {{200, json, "NodeInfo", "The node, which is being drained"}},
                     drain});
 }
 

@@ -105,7 +105,9 @@ std::string openapi_document(const std::vector<Route>& routes, const std::string
       {"securitySchemes",
        {{"token", {{"type", "http"}, {"scheme", "bearer"}}},
         {"password",
-         {{"type", "http"}, {"scheme", "basic"}, {"description", "Any name, and the token as password: to read"}}}}}};
+         {{"type", "http"},
+          {"scheme", "basic"},
+          {"description", "Any user name, and the token as password; such requests may only read"}}}}}};
   return json_text(document);
 }
 

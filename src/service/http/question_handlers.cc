@@ -111,40 +111,45 @@ Route route(const char* method, const char* path, const char* name, const char* 
              std::move(handler),
              std::move(query)};
   made.runs = Runs::questions;
-  if (made.method == "GET") made.responses.push_back({304, "", "", "It is the answer that If-None-Match names"});
+  if (made.method == "GET") made.responses.push_back({304, "", "", "The answer is the one that If-None-Match names"});
   return made;
 }
 
 }  // namespace
 
 void add_question_routes(std::vector<Route>& routes) {
-  const Parameter bbox{"bbox", "string", "xmin,ymin,xmax,ymax; in 3D also xmin,ymin,zmin,xmax,ymax,zmax"};
-  const Parameter cell_format{"f", "string", "A format of the process export; geojson in 2D, ply in 3D"};
-  const Parameter limit{"limit", "integer", "The most cells that are wanted: an area with more is refused"};
-  const Parameter answer_format{"f", "string", "json, csv or npy; as the points came, or as Accept says"};
-  const std::vector<Response> many{{200, json, "Answers", "One for each point, in their order"},
-                                   {200, csv, "", "One for each point, in their order"},
-                                   {200, npy, "", "One for each point, in their order"}};
-  const std::vector<Response> mesh{{200, geojson, "", "The cells, in the format that was asked for"},
-                                   {200, "application/vnd.ply", "", "The cells, in the format that was asked for"},
-                                   {200, bytes, "", "The cells, in the format that was asked for"}};
+  const Parameter bbox{"bbox", "string", "The box xmin,ymin,xmax,ymax; in 3D also xmin,ymin,zmin,xmax,ymax,zmax"};
+  const Parameter cell_format{"f", "string", "A format of the process export; default: geojson in 2D, ply in 3D"};
+  const Parameter limit{"limit", "integer",
+                        "How many cells the answer may have at most: a question with more is refused"};
+  const Parameter answer_format{
+      "f", "string", "The format of the answer: json, csv or npy; default: the format in Accept, or that of the body"};
+  const std::vector<Response> many{{200, json, "Answers", "One answer for each point, in their order"},
+                                   {200, csv, "", "One answer for each point, in their order"},
+                                   {200, npy, "", "One answer for each point, in their order"}};
+  const std::vector<Response> mesh{{200, geojson, "", "The cells, in the format f"},
+                                   {200, "application/vnd.ply", "", "The cells, in the format f"},
+                                   {200, bytes, "", "The cells, in the format f"}};
 
-  routes.push_back(route("GET", "locate", "locate", "The cell that has a point",
-                         {{200, json, "Location", "The cell, its vertices and neighbours; null outside the hull"}},
-                         asks(About::locate),
-                         {{"point", "string", "x,y or x,y,z"},
-                          {"cell", "string", "Instead of a point: TILE,CELL, as answers name cells"}}));
-  Route locate = route("POST", "locate", "locatePoints", "The cells that have points", many,
+  routes.push_back(
+      route("GET", "locate", "locate", "The cell that contains a point",
+            {{200, json, "Location", "The cell, its vertices and neighbours; null when the point is outside the hull"}},
+            asks(About::locate),
+            {{"point", "string", "The point: x,y or x,y,z"},
+             {"cell", "string", "Instead of point: TILE,CELL, the two numbers of a cell in another answer"}}));
+  Route locate = route("POST", "locate", "locatePoints", "The cells that contain points", many,
                        asks_with_body(About::locate, {json, csv, npy, protobuf_type, bytes}), {answer_format});
   locate.body = "Points";
   locate.body_types = {csv, npy, protobuf_type};
   routes.push_back(std::move(locate));
-  routes.push_back(route("GET", "vertices/{vertex}/star", "getStar", "What is around a vertex",
-                         {{200, json, "Star", "Its cells, neighbours and Voronoi volume"}}, asks(About::star),
-                         {{"tile", "integer", "The tile that owns the vertex, if it is known"}}));
-  routes.push_back(route("GET", "vertices/{vertex}/neighbours", "getNeighbours", "Which vertices share an edge with it",
-                         {{200, json, "Neighbours", "Their source indices, ascending"}}, asks(About::neighbours),
-                         {{"tile", "integer", "The tile that owns the vertex, if it is known"}}));
+  routes.push_back(route(
+      "GET", "vertices/{vertex}/star", "getStar", "The star of a vertex: the cells around it",
+      {{200, json, "Star", "The cells, neighbours and Voronoi volume of the vertex"}}, asks(About::star),
+      {{"tile", "integer", "The tile that owns the vertex, if it is known, which saves the search for the tile"}}));
+  routes.push_back(route(
+      "GET", "vertices/{vertex}/neighbours", "getNeighbours", "The vertices that share an edge with a vertex",
+      {{200, json, "Neighbours", "The source indices of the neighbours, ascending"}}, asks(About::neighbours),
+      {{"tile", "integer", "The tile that owns the vertex, if it is known, which saves the search for the tile"}}));
   routes.push_back(route("GET", "cells", "getCells", "The cells that meet a box", mesh, asks(About::cells),
                          {bbox, cell_format, limit}));
   Route cells = route("POST", "cells", "getCellsOfPolygon", "The cells that meet polygons", mesh,
@@ -152,45 +157,50 @@ void add_question_routes(std::vector<Route>& routes) {
   cells.body = "Document";
   cells.body_types = {geojson};
   routes.push_back(std::move(cells));
-  Route interpolate = route("POST", "interpolate", "interpolate", "Values at points", many,
-                            asks_with_body(About::interpolate, {json, csv, npy, protobuf_type, bytes}),
-                            {{"value", "string", "An attribute of the vertices; z, the heights, in 2D"},
-                             {"method", "string", "linear or natural"},
-                             {"weights", "boolean", "Also of which vertices a value is made, and how much of each"},
-                             answer_format});
+  Route interpolate =
+      route("POST", "interpolate", "interpolate", "Interpolate an attribute of the vertices at points", many,
+            asks_with_body(About::interpolate, {json, csv, npy, protobuf_type, bytes}),
+            {{"value", "string", "The attribute of the vertices to interpolate; default in 2D: z, the heights"},
+             {"method", "string", "The method of interpolation: linear or natural (natural neighbours)"},
+             {"weights", "boolean", "Also give the vertices of which a value is made, with their weights"},
+             answer_format});
   interpolate.body = "Points";
   interpolate.body_types = {csv, npy, protobuf_type};
   routes.push_back(std::move(interpolate));
   routes.push_back(route("GET", "dem", "getDem", "The surface of a 2D result as a raster",
                          {{200, tiff, "", "The raster"}}, asks(About::dem),
                          {bbox,
-                          {"res", "number", "The width of a pixel"},
-                          {"max-edge", "number", "No pixels in cells with a longer edge"},
-                          {"value", "string", "An attribute of the vertices; z"},
-                          {"type", "string", "float32 or float64"}}));
-  const Parameter max_edge{"max-edge", "number", "Cells with a longer edge are left out"};
-  const Parameter value{"value", "string", "An attribute of the vertices; z"};
-  routes.push_back(route("GET", "contours", "getContours", "The contour lines of a 2D result",
-                         {{200, geojson, "", "The lines, in the coordinates of the result"},
-                          {200, "application/geopackage+sqlite3", "", "The lines"}},
-                         asks(About::contours),
-                         {bbox,
-                          {"interval", "number", "Between levels, in units of the heights"},
-                          {"base", "number", "A level; 0"},
-                          max_edge,
-                          value,
-                          {"smooth", "number", "Lines of a smooth surface: means in squares of this size"},
-                          {"min-length", "number", "Lines that are shorter in the plane are left out"},
-                          {"index-every", "integer", "Every N-th level, from base on, is an index line; default: 5"},
-                          {"f", "string", "geojson or gpkg"}}));
-  const std::vector<Response> heights{{200, csv, "", "A line for each place where the profile bends"},
-                                      {200, json, "Profile", "The same"},
-                                      {200, geojson, "", "Lines with the value as third coordinate"}};
-  const Parameter digits{"digits", "string", "Of csv: decimals, 0 to 17, or all; as the data carry"};
-  const Parameter profile_format{"f", "string", "csv, json or geojson; csv, or as Accept says"};
-  routes.push_back(route("GET", "profile", "getProfile", "The heights of a 2D result along a line", heights,
-                         asks(About::profile),
-                         {{"line", "string", "x,y x,y ..."}, max_edge, value, digits, profile_format}));
+                          {"res", "number", "The width and height of a pixel, in units of the coordinates"},
+                          {"max-edge", "number", "Draw no pixels in cells with a longer edge"},
+                          {"value", "string", "The attribute of the vertices; default: z, the heights"},
+                          {"type", "string", "The type of the pixels: float32 (default) or float64"}}));
+  const Parameter max_edge{"max-edge", "number", "Leave out cells with a longer edge"};
+  const Parameter value{"value", "string", "The attribute of the vertices; default: z, the heights"};
+  routes.push_back(
+      route("GET", "contours", "getContours", "The contour lines of a 2D result",
+            {{200, geojson, "", "The lines, in the coordinates of the result"},
+             {200, "application/geopackage+sqlite3", "", "The lines, as a GeoPackage"}},
+            asks(About::contours),
+            {bbox,
+             {"interval", "number", "The distance between levels, in units of the heights"},
+             {"base", "number", "The height of one of the levels; default: 0"},
+             max_edge,
+             value,
+             {"smooth", "number", "Draw lines of a smooth surface, the means of the surface in squares of this size"},
+             {"min-length", "number", "Leave out lines that are shorter in the plane"},
+             {"index-every", "integer", "Every N-th level, from base on, is an index line; default: 5"},
+             {"f", "string", "The format of the lines: geojson or gpkg"}}));
+  const std::vector<Response> heights{
+      {200, csv, "", "The profile, with a row for each place where it bends"},
+      {200, json, "Profile", "The profile, with a point for each place where it bends"},
+      {200, geojson, "", "The profile as lines, with the value as the third coordinate"}};
+  const Parameter digits{"digits", "string",
+                         "csv: the number of decimals, 0 to 17, or all; default: as many as the data have"};
+  const Parameter profile_format{
+      "f", "string", "The format of the profile: csv, json or geojson; default: the format in Accept, or csv"};
+  routes.push_back(
+      route("GET", "profile", "getProfile", "The heights of a 2D result along a line", heights, asks(About::profile),
+            {{"line", "string", "The line, by its points: x,y x,y ..."}, max_edge, value, digits, profile_format}));
   Route profile = route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,
                         asks_with_body(About::profile, {geojson, json}), {max_edge, value, digits, profile_format});
   profile.body = "Document";
@@ -198,20 +208,24 @@ void add_question_routes(std::vector<Route>& routes) {
   routes.push_back(std::move(profile));
 
   const std::string place = "x,y,z";
-  const std::vector<Response> shape{{200, gltf, "", "Binary glTF, quantised and compressed; each cell by itself"}};
+  const std::vector<Response> shape{{200, gltf, "", "Binary glTF, quantised and compressed; each cell is separate"}};
   routes.push_back(route("GET", "shapes/hull", "getHull",
-                         "The hull of a 3D result, or the border of its cells without long edges, to be shown", shape,
-                         asks(About::hull), {max_edge, limit}));
-  routes.push_back(route("GET", "shapes/section", "getSection", "What a plane cuts out of a 3D result, to be shown",
-                         shape, asks(About::section),
-                         {{"through", "string", place + ": a point of the plane"},
-                          {"normal", "string", place + ": upright on it"},
+                         "A model to view: the hull of a 3D result, or the border of its cells without long edges",
+                         shape, asks(About::hull), {max_edge, limit}));
+  routes.push_back(route("GET", "shapes/section", "getSection",
+                         "A model to view: the section of a 3D result by a plane", shape, asks(About::section),
+                         {{"through", "string", "A point of the plane: " + place},
+                          {"normal", "string", "The normal of the plane: " + place},
                           bbox,
                           max_edge,
                           limit}));
   routes.push_back(route(
-      "GET", "shapes/cells", "getSolids", "The tetrahedra that meet a box, to be shown", shape, asks(About::solids),
-      {bbox, {"shrink", "number", "Each towards its mean; from 0.01 to 1, which is the usual"}, max_edge, limit}));
+      "GET", "shapes/cells", "getSolids", "A model to view: the tetrahedra that meet a box", shape, asks(About::solids),
+      {bbox,
+       {"shrink", "number",
+        "The size of each tetrahedron, shrunk towards its centre, from 0.01 to 1; default: 1, its full size"},
+       max_edge,
+       limit}));
 }
 
 }  // namespace tessera::service::http

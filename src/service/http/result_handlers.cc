@@ -61,20 +61,21 @@ Answer tileset(const Call& call) {
   const Reply<ServedFile> found = call.context.backend->results.file(call.arguments[0], path.string());
   if (found) return file_answer(call.request, found.value());
   if (found.error().status() != 404) return problem(found.error());
-  return problem(
-      404,
-      "triangulation '" + call.arguments[0] +
-          "' has no such file of a tileset; the process export makes one of a 2D result, surface of a 3D one: "
-          "format 3dtiles, output " +
-          tileset_of_result("").filename().string(),
-      2);
+  return problem(404,
+                 "triangulation '" + call.arguments[0] +
+                     "' has no such file of a tileset; the process export makes the tileset of a 2D result, the "
+                     "process surface that of a 3D result: format 3dtiles, output " +
+                     tileset_of_result("").filename().string(),
+                 2);
 }
 
 Answer remove_export(const Call& call) {
   const std::string begin = exports_folder("").string() + "/";
   const std::string& path = call.arguments[1];
   if (!path.starts_with(begin))
-    return problem(404, "there is no export at this address: other files go with their triangulation", 2);
+    return problem(
+        404, "there is no export at this address, and other files are removed only together with their triangulation",
+        2);
   const Reply<void> removed =
       call.context.backend->results.remove_export(call.arguments[0], path.substr(begin.size()), call.request.caller);
   return removed ? no_content() : problem(removed.error());
@@ -104,7 +105,7 @@ Reply<std::unique_ptr<Upload>> upload(const Call& call) {
       proto::Problem problem;
       problem.set_status(400);
       problem.set_cause(2);
-      problem.set_detail("Upload-Offset: is no number of bytes");
+      problem.set_detail("Upload-Offset: is not a number of bytes");
       return problem;
     }
   }
@@ -120,15 +121,15 @@ Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std:
   const auto [end, failed] = std::from_chars(text->data(), text->data() + text->size(), limit);
   if (failed == std::errc::result_out_of_range && end == text->data() + text->size()) return max;
   if (failed != std::errc() || end != text->data() + text->size() || limit == 0)
-    return error(Errc::usage, "limit: must be a number from 1 on");
+    return error(Errc::usage, "limit: must be a whole number, at least 1");
   return std::min(limit, max);
 }
 
 Answer bad_request(const Error& error) { return problem(400, error.where, static_cast<int>(error.code)); }
 
 void add_result_routes(std::vector<Route>& routes) {
-  const std::vector<Parameter> paging{{"limit", "integer", "How many at most"},
-                                      {"after", "string", "What ended the page before"}};
+  const std::vector<Parameter> paging{{"limit", "integer", "How many entries a page has at most"},
+                                      {"after", "string", "The last entry of the page before"}};
   routes.push_back({"GET",
                     "/v1/triangulations",
                     Role::read,
@@ -148,8 +149,8 @@ void add_result_routes(std::vector<Route>& routes) {
                     "/v1/triangulations/{triangulation}",
                     Role::submit,
                     "removeTriangulation",
-                    "Remove a result for good",
-                    {{204, "", "", "It is gone"}},
+                    "Remove a result and its exports for good",
+                    {{204, "", "", "It was removed"}},
                     remove});
   routes.push_back({"GET",
                     "/v1/triangulations/{triangulation}/files/{path*}",
@@ -158,44 +159,44 @@ void add_result_routes(std::vector<Route>& routes) {
                     "A file of a result, or a range of its bytes",
                     {{200, "application/octet-stream", "", "The file"},
                      {206, "application/octet-stream", "", "A part of it"},
-                     {304, "", "", "It is the one that If-None-Match names"}},
+                     {304, "", "", "The file is the one that If-None-Match names"}},
                     file});
   routes.push_back({"GET",
                     "/v1/triangulations/{triangulation}/3dtiles/{path*}",
                     Role::read,
                     "getTileset",
-                    "A 2D result as 3D Tiles 1.1: tileset.json and what it names",
+                    "A result as 3D Tiles 1.1: tileset.json and the files that it names",
                     {{200, json, "", "The tileset"},
-                     {200, "model/gltf-binary", "", "The surface of a node"},
-                     {304, "", "", "It is the one that If-None-Match names"}},
+                     {200, "model/gltf-binary", "", "The surface of a node of the tileset"},
+                     {304, "", "", "The file is the one that If-None-Match names"}},
                     tileset});
   routes.push_back({"DELETE",
                     "/v1/triangulations/{triangulation}/files/{path*}",
                     Role::submit,
                     "removeExport",
-                    "Remove what a triangulation was exported to: exports/NAME",
-                    {{204, "", "", "It is gone"}},
+                    "Remove an export of a triangulation, the file exports/NAME",
+                    {{204, "", "", "It was removed"}},
                     remove_export});
   routes.push_back({"HEAD",
                     "/v1/uploads/{upload}/{file}",
                     Role::submit,
                     "getUpload",
-                    "How much of an upload is there: Upload-Offset",
-                    {{204, "", "", "Upload-Offset says it"}},
+                    "How many bytes of an upload have arrived",
+                    {{204, "", "", "The header Upload-Offset has the number of bytes"}},
                     uploaded});
   routes.push_back({"DELETE",
                     "/v1/uploads/{upload}/{file}",
                     Role::submit,
                     "removeUpload",
-                    "Remove an upload, also one that has not come whole",
-                    {{204, "", "", "It is gone"}},
+                    "Remove an upload, complete or not",
+                    {{204, "", "", "It was removed"}},
                     remove_upload});
   Route put{"PUT",
             "/v1/uploads/{upload}/{file}",
             Role::submit,
             "putUpload",
-            "An input file; with Upload-Offset, what comes after that many bytes",
-            {{204, "", "", "It is all there"}},
+            "Upload an input file; with the header Upload-Offset, the rest of it after that many bytes",
+            {{204, "", "", "The whole file has arrived"}},
             [](const Call&) { return no_content(); },
             {},
             "bytes"};

@@ -9,15 +9,15 @@ void add_session_routes(std::vector<Route>& routes, Shared& shared) {
                     "/v1/session",
                     Role::read,
                     "signIn",
-                    "A cookie in exchange for the token: what a browser shows instead, for a week",
-                    {{204, "", "", "Set-Cookie has it"}},
+                    "Begin a session: exchange the token for a cookie, which a browser sends instead for a week",
+                    {{204, "", "", "The header Set-Cookie has the cookie"}},
                     [&shared](const Call& call) { return shared.guard->sign_in(call.request); }});
   routes.push_back({"DELETE",
                     "/v1/session",
                     Role::read,
                     "signOut",
-                    "End the session of the cookie",
-                    {{204, "", "", "It has ended"}},
+                    "End the session that the cookie stands for",
+                    {{204, "", "", "The session has ended"}},
                     [&shared](const Call& call) { return shared.guard->sign_out(call.request); }});
 }
 

@@ -21,9 +21,10 @@ constexpr std::chrono::seconds headers_time{5};  // for reading headers; further
 
 std::optional<proto::Problem> no_uploads(const Uploads* uploads) {
   if (uploads != nullptr) return std::nullopt;
-  return problem(403,
-                 "this service takes no uploads; its operator can allow them (uploads), or offer the files as inputs",
-                 Errc::usage);
+  return problem(
+      403,
+      "this service takes no uploads; its operator can allow them (uploads), or put the files into a folder for inputs",
+      Errc::usage);
 }
 
 // Reads the header of a file. `real` is the path of the file, below one of the roots.
@@ -47,7 +48,7 @@ void look_into(const Roots& roots, const fs::path& real, const std::stop_token& 
 
 Reply<proto::InputList> Inputs::list(std::string_view folder, std::uint32_t limit, std::string_view after,
                                      const Caller& caller) {
-  if (caller.role < Role::submit) return problem(403, "to be told of inputs takes the role submit", Errc::usage);
+  if (caller.role < Role::submit) return problem(403, "listing input files needs a token of role submit", Errc::usage);
   WhileAnyoneWaits waited(caller.stop);
   auto entries = roots_.list(std::string(folder));
   if (!entries) return problem_of_inputs(waited.ledger().reason().value_or(entries.error()));
@@ -79,7 +80,7 @@ Reply<proto::InputList> Inputs::list(std::string_view folder, std::uint32_t limi
 Reply<std::unique_ptr<Upload>> Inputs::upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                               const Caller& caller) {
   if (const auto refused = no_uploads(uploads_)) return *refused;
-  if (caller.role < Role::submit) return problem(403, "an upload takes the role submit", Errc::usage);
+  if (caller.role < Role::submit) return problem(403, "sending an upload needs a token of role submit", Errc::usage);
   return uploads_->begin(folder, file, offset, caller);
 }
 
@@ -90,7 +91,7 @@ Reply<std::uint64_t> Inputs::uploaded(std::string_view folder, std::string_view 
 
 Reply<void> Inputs::remove_upload(std::string_view folder, std::string_view file, const Caller& caller) {
   if (const auto refused = no_uploads(uploads_)) return *refused;
-  if (caller.role < Role::submit) return problem(403, "to remove an upload takes the role submit", Errc::usage);
+  if (caller.role < Role::submit) return problem(403, "removing an upload needs a token of role submit", Errc::usage);
   return uploads_->remove(folder, file, caller);
 }
 

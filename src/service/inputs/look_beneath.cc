@@ -26,7 +26,7 @@ Result<std::vector<std::string>> names_in(const FileHandle& root, const std::str
   while (const char* name = reader.next()) {
     BOOST_OUTCOME_TRYV(Ledger::draw_files(1));
     if (name[0] != '.') names.emplace_back(name);
-    if (names.size() > names_max) return error(Errc::usage, folder + ": holds too many files");
+    if (names.size() > names_max) return error(Errc::usage, folder + ": holds more than a million files");
   }
   if (reader.error()) return error(Errc::io, folder + ": cannot be read: " + reader.error().message());
   return names;

@@ -57,7 +57,7 @@ Result<std::vector<std::string>> expand(const FileHandle& root, const std::strin
       BOOST_OUTCOME_TRY(names, names_in(root, folder));
       for (const auto& candidate : names)
         if (::fnmatch(name.c_str(), candidate.c_str(), FNM_PERIOD) == 0) next.push_back(below(folder, candidate));
-      if (next.size() > files_max) return error(Errc::usage, pattern + ": means too many files");
+      if (next.size() > files_max) return error(Errc::usage, pattern + ": matches more than a million files");
     }
     found = std::move(next);
   }
@@ -86,7 +86,7 @@ Status add_folder(const FileHandle& root, const std::string& folder, bool recurs
     } else if (has_point_file_name(path)) {
       files.push_back(path);
     }
-    if (files.size() > files_max) return error(Errc::usage, folder + ": holds too many files");
+    if (files.size() > files_max) return error(Errc::usage, folder + ": holds more than a million files");
   }
   return success();
 }
@@ -102,7 +102,7 @@ Result<std::vector<std::string>> files_below(const FileHandle& root, const std::
     pattern = !named || !named.value();
   }
   if (pattern) {
-    if (goes_up(input)) return error(Errc::usage, input + ": a pattern may not have '..'");
+    if (goes_up(input)) return error(Errc::usage, input + ": a pattern must not contain '..'");
     BOOST_OUTCOME_TRY(expanded, expand(root, input));
     if (expanded.empty()) return error(Errc::io, input + ": no file matches this pattern");
     paths = std::move(expanded);
@@ -125,7 +125,7 @@ Result<std::vector<std::string>> files_below(const FileHandle& root, const std::
     std::sort(inside.begin(), inside.end());
     for (const auto& file : inside) {
       BOOST_OUTCOME_TRY(one, look_at(root, file));
-      if (one.kind != KindBeneath::file) return error(Errc::usage, file + ": is no file");
+      if (one.kind != KindBeneath::file) return error(Errc::usage, file + ": is not a file");
       files.push_back(one.real.string());
     }
   }
@@ -153,7 +153,7 @@ Status check_apart(const fs::path& data, const std::vector<fs::path>& roots) {
     const auto real = fs::canonical(root, missing);
     if (missing || (!lies_in(real_data, real) && !lies_in(real, real_data))) continue;
     return error(Errc::usage, option("inputs") + ": " + root.string() + " and the data folder " + data.string() +
-                                  " lie in one another; name folders that do not");
+                                  " must be separate folders, but one of them lies inside the other");
   }
   return success();
 }
@@ -199,13 +199,13 @@ Result<std::vector<std::string>> Roots::files_of(const std::string& input, bool 
   const auto refuse = [&](const std::string& reason) {
     return error(Errc::usage, "inputs: '" + input + "' " + reason);
   };
-  if (input.empty()) return error(Errc::usage, "inputs: one is an empty text");
+  if (input.empty()) return error(Errc::usage, "inputs: one of the names is empty");
   if (input == "-") return refuse("is standard input, which a service does not have");
   if (input.find('\0') != std::string::npos) return refuse("holds a zero byte");
-  if (input.find("://") != std::string::npos) return refuse("is an address: none is fetched; give files");
+  if (input.find("://") != std::string::npos) return refuse("is an address, and the service fetches none: give files");
   const auto told = [](Error wrong) { return error(wrong.code, "inputs: " + wrong.where); };
   if (input.starts_with(upload_begin)) {
-    if (uploads_.empty()) return refuse("is an upload, and this service takes none");
+    if (uploads_.empty()) return refuse("is an upload, and this service takes no uploads");
     auto files = files_below(uploads_.front().folder, input.substr(upload_begin.size()), recursive);
     if (!files) return told(files.error());
     return files;
@@ -228,14 +228,14 @@ Result<std::vector<std::string>> Roots::files_of(const std::string& input, bool 
 }
 
 Result<std::vector<std::string>> Roots::files(const std::vector<std::string>& inputs, bool recursive) const {
-  if (inputs.empty()) return error(Errc::usage, "inputs: none is given");
+  if (inputs.empty()) return error(Errc::usage, "inputs: no file, folder or pattern is given");
   std::vector<std::string> all;
   std::set<std::string> there;
   for (const auto& input : inputs) {
     BOOST_OUTCOME_TRY(files, files_of(input, recursive));
     for (auto& file : files)
       if (there.insert(file).second) all.push_back(std::move(file));
-    if (all.size() > files_max) return error(Errc::usage, "inputs: too many files");
+    if (all.size() > files_max) return error(Errc::usage, "inputs: name more than a million files");
   }
   return all;
 }

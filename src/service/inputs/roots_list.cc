@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view uploads = "upload:";
 
 Error no_folder(const std::string& folder) {
-  return error(Errc::usage, "folder: '" + folder + "' is no folder that is below those configured for inputs");
+  return error(Errc::usage, "folder: '" + folder + "' is not a folder below those that are configured for inputs");
 }
 
 // "a/b" for "./a//b/", "." for "".
@@ -54,7 +54,7 @@ Result<std::vector<RootEntry>> Roots::list(const std::string& folder) const {
   if (folder.find('\0') != std::string::npos) return error(Errc::usage, "folder: holds a zero byte");
   const bool uploaded = folder.starts_with(uploads);
   const std::string inside = tidy(uploaded ? folder.substr(uploads.size()) : folder);
-  if (goes_up(inside)) return error(Errc::usage, "folder: '" + folder + "' may not have '..'");
+  if (goes_up(inside)) return error(Errc::usage, "folder: '" + folder + "' must not contain '..'");
   std::vector<RootEntry> entries;
   std::set<std::string> names;
   bool any = false;

@@ -42,10 +42,10 @@ proto::Problem no_upload(std::string_view folder, std::string_view file) {
 }
 
 proto::Problem of_another(std::string_view folder, std::string_view file, const char* what) {
-  return problem(
-      403,
-      "upload '" + std::string(folder) + "/" + std::string(file) + "': who sent it or an admin may " + what + " it",
-      Errc::usage);
+  return problem(403,
+                 "upload '" + std::string(folder) + "/" + std::string(file) +
+                     "': only the caller who sent it or an admin may " + what + " it",
+                 Errc::usage);
 }
 
 }  // namespace
@@ -65,14 +65,15 @@ class Uploads::Sending final : public Upload {
       const auto& limits = uploads_.limits_;
       if (limits.bytes > 0 && uploads_.used_.bytes + bytes.size() > limits.bytes) {
         return problem(507,
-                       "uploads hold " + human_bytes(uploads_.used_.bytes) + " of the " + human_bytes(limits.bytes) +
-                           " that they may (limits.uploads)",
+                       "all uploads together take " + human_bytes(uploads_.used_.bytes) + " of the " +
+                           human_bytes(limits.bytes) +
+                           " that they may take (limits.uploads): remove some that are not needed",
                        Errc::io);
       }
       const auto free = free_bytes(uploads_.data_);
       if (bytes.size() + limits.reserve_bytes > free) {
         return problem(507,
-                       "the disk has " + human_bytes(free) + " left, of which uploads leave " +
+                       "the service's disk has " + human_bytes(free) + " free, and uploads must leave " +
                            human_bytes(limits.reserve_bytes) + " free (limits.reserve)",
                        Errc::io);
       }
@@ -159,7 +160,8 @@ Reply<void> Uploads::remove(std::string_view folder, std::string_view file, cons
     if (!owned) return problem_of(owned.error());
     if (!owned.value()) return no_upload(folder, file);
     if (!may_remove(*owned.value(), caller)) return of_another(folder, file, "remove");
-    if (active_.contains(path)) return problem(409, "this file is being sent", Errc::usage);
+    if (active_.contains(path))
+      return problem(409, "this upload is still being sent; remove it when that has ended", Errc::usage);
     // The owner last: until everything is gone, the file has an owner.
     if (const Status ours = desk_.still_ours(); !ours) return problem_of(ours.error());
     for (const auto& each : {part_file(path), path})
@@ -196,7 +198,8 @@ std::vector<std::string> Uploads::expire(std::chrono::system_clock::time_point b
       const auto expired = expire_one(folder() / name / file, before);
       if (!expired) told.push_back(expired.error().where);
       if (expired && expired.value())
-        told.push_back((folder() / name / file).string() + ": nobody went on sending it; removed");
+        told.push_back((folder() / name / file).string() +
+                       ": was removed, because nobody has sent the rest of this upload");
     }
   }
   return told;
@@ -241,7 +244,7 @@ Reply<std::unique_ptr<Upload>> Uploads::begin(std::string_view folder, std::stri
                                               const Caller& caller) {
   BOOST_OUTCOME_TRY(path, path_of(folder, file));
   const std::lock_guard lock(mutex_);
-  if (active_.contains(path)) return problem(409, "this file is being sent already", Errc::usage);
+  if (active_.contains(path)) return problem(409, "this upload is being sent already, in another request", Errc::usage);
   const auto sent = bytes_if_there(part_file(path), FollowLinks::no);
   if (!sent) return problem_of(sent.error());
   const auto there = sent.value().value_or(0);
@@ -250,12 +253,16 @@ Reply<std::unique_ptr<Upload>> Uploads::begin(std::string_view folder, std::stri
   const std::string owner = owned.value().value_or("");
   if (owned.value() && !may_remove(owner, caller)) return of_another(folder, file, "replace");
   if (offset != 0 && offset != there) {
-    return problem(409, "offset " + std::to_string(offset) + ": " + std::to_string(there) + " bytes have come so far",
+    return problem(409,
+                   "offset " + std::to_string(offset) + ": " + std::to_string(there) +
+                       " bytes have arrived so far; go on from there, or from 0",
                    Errc::usage);
   }
   const bool is_new = !sent.value();
   if (is_new && used_.files >= limits_.files)
-    return problem(507, "uploads are " + grouped(used_.files) + " files, as many as may be", Errc::io);
+    return problem(
+        507, "there are " + grouped(used_.files) + " uploaded files, which is the most that are allowed: remove some",
+        Errc::io);
   const auto opened = [&]() -> Result<FileHandle> {
     std::error_code failed;
     if (fs::create_directory(path.parent_path(), failed); failed)

@@ -32,7 +32,9 @@ Reply<std::optional<Submitted>> Admission::same_as(const proto::Inputs& inputs, 
   if (found == table_.by_key.end()) return none;
   const Job& job = *table_.jobs.at(found->second);
   if (same_inputs(job.record, inputs)) return std::optional(Submitted{status_of(job), false});
-  return problem(422, "this idempotency key was sent before with other inputs, for job " + found->second, Errc::usage);
+  return problem(422,
+                 "this idempotency key was sent before with other inputs, for job " + found->second + "; use a new key",
+                 Errc::usage);
 }
 
 Reply<Submitted> Admission::accept(proto::JobRecord record, const Caller& caller, const std::string& note) {
@@ -110,22 +112,26 @@ std::optional<proto::Problem> Admission::beside_others(const proto::JobRecord& j
     if (name.empty() || other.record.triangulation() != name) continue;
     // A job that makes a triangulation must be alone on it. Others may read it together, but not write the same export.
     if (makes_result(inputs) || makes_result(other.record.inputs()))
-      return clash("triangulation '" + name + "': job " + id + " works on it");
+      return clash("triangulation '" + name + "': job " + id + " works on it; wait for that job to end, or dismiss it");
     if (output && export_output(other.record.inputs()) == output)
-      return clash("output: job " + id + " exports to '" + *output + "' already");
+      return clash("output: job " + id + " already writes the export '" + *output +
+                   "'; wait for that job, or choose another name");
   }
   if (queued >= table_.limits.queued)
-    return problem(429, grouped(queued) + " jobs wait already, which is as many as may wait", Errc::io);
+    return problem(
+        429, grouped(queued) + " jobs wait already, which is the most that may wait (limits.queued); try again later",
+        Errc::io);
   if (bytes_of_caller > inputs_of_caller_bytes_max)
     return problem(429,
                    "the inputs of all jobs of " + job.caller() + " that wait or run would take " +
                        human_bytes(bytes_of_caller) + "; at most " + human_bytes(inputs_of_caller_bytes_max) +
-                       " are allowed",
+                       " are allowed: name folders or patterns instead of files, or wait until jobs have ended",
                    Errc::io);
   if (of_caller >= table_.limits.jobs_of_a_caller)
-    return problem(
-        429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, which is as many as a caller may have",
-        Errc::io);
+    return problem(429,
+                   grouped(of_caller) + " jobs of " + job.caller() +
+                       " wait or run, which is the most that a caller may have (limits.jobs); wait until one has ended",
+                   Errc::io);
   return std::nullopt;
 }
 

@@ -60,12 +60,14 @@ Result<std::unique_ptr<Events>> Events::open(fs::path numbers, StagingFolder& de
     const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), from);
     if (ec != std::errc{} || end == text.data() || from > number_max) {
       from = microseconds_since_1970();
-      tell(events->numbers_.string() + ": holds no number; events are counted on from " + std::to_string(from));
+      tell(events->numbers_.string() + ": does not hold the number of the next event; events are numbered from " +
+           std::to_string(from));
     }
   }
   // On a full disk numbers go on unreserved, as in tell().
   if (const Status reserved = events->reserve(from); !reserved) {
-    tell(reserved.error().where + "; events are numbered without");
+    tell(reserved.error().where +
+         "; events are numbered without this file, and after a crash some numbers may occur twice");
     events->reserved_ = from + 1;
   }
   events->next_ = from;

@@ -96,7 +96,7 @@ Result<proto::JobRecord> JobStore::read_record(const std::string& id) const {
   };
   if (const auto read = from_json(as_text(bytes), job); !read) return wrong(read.error().where);
   if (job.id() != id) return wrong("its id is '" + job.id() + "'");
-  if (!job_state::is_one(job.state())) return wrong("there is no state '" + job.state() + "'");
+  if (!job_state::is_one(job.state())) return wrong("'" + job.state() + "' is not a state of a job");
   return job;
 }
 

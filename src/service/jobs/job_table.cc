@@ -72,13 +72,13 @@ void JobTable::recover(Job& job) {
   const auto waits = [&](proto::JobRecord& record) {
     record.set_deaths(deaths);
     record.set_state(job_state::accepted);
-    record.set_message("waits to go on after a restart");
+    record.set_message("waits to go on after a restart of the daemon");
   };
   const auto fails = [&](proto::JobRecord& record) {
     *record.mutable_problem() =
         problem(500,
                 "the daemon died " + std::to_string(deaths) +
-                    " times one after the other while this job ran; it is not begun again unless it is resumed",
+                    " times in a row while this job ran; the job starts again only when it is resumed",
                 Errc::internal);
     record.set_deaths(0);
     record.set_finished(time_text(system_clock::now()));

@@ -77,7 +77,7 @@ Reply<proto::StatusInfo> Jobs::dismiss(std::string_view id, const Caller& caller
     const auto changed = table_.change(*job, JobTable::Need::written, [](proto::JobRecord& record) {
       record.set_state(job_state::dismissed);
       record.set_finished(time_text(system_clock::now()));
-      record.set_message("was dismissed, and can go on");
+      record.set_message("was dismissed, and can be resumed");
     });
     if (!changed) return problem_of(changed.error());
     lock.lock();
@@ -91,7 +91,8 @@ Reply<proto::StatusInfo> Jobs::dismiss(std::string_view id, const Caller& caller
     return status_of(*job);
   }
   // The job's thread needs `changing` to let go; a job that was dismissed a moment ago still has its thread.
-  if (job->running) return problem(409, "job " + std::string(id) + " is still stopping: try again", Errc::usage);
+  if (job->running)
+    return problem(409, "job " + std::string(id) + " is still stopping: try again in a moment", Errc::usage);
   auto last = status_of(*job);
   last.set_message("was removed");
   lock.unlock();
@@ -148,7 +149,8 @@ Reply<ServedFile> Jobs::report(std::string_view id) {
     BOOST_OUTCOME_TRY(job, table_.find(id));
     if (!job->is(job_state::successful)) return result_not_ready(id, job->record.state());
     if (!job->record.inputs().has_triangulate())
-      return problem(404, "job " + std::string(id) + " makes no report: it is no triangulation", Errc::usage);
+      return problem(404, "job " + std::string(id) + " has no report: only jobs of the process triangulate make one",
+                     Errc::usage);
     name = job->record.triangulation();
   }
   BOOST_OUTCOME_TRYV(still_made_by(id, name));
@@ -171,7 +173,8 @@ Reply<proto::JobTiles> Jobs::tiles(std::string_view id, bool with_layout) {
     const std::lock_guard lock(table_.mutex);
     BOOST_OUTCOME_TRY(job, table_.find(id));
     if (!job->record.inputs().has_triangulate())
-      return problem(404, "job " + std::string(id) + " has no tiles: it is no triangulation", Errc::usage);
+      return problem(404, "job " + std::string(id) + " has no tiles: only jobs of the process triangulate have tiles",
+                     Errc::usage);
     state = job->record.state();
     name = job->record.triangulation();
     if (job->is(job_state::running)) running = job->running;

@@ -21,8 +21,8 @@ std::optional<proto::Problem> check_size(const proto::Inputs& inputs) {
   const std::uint64_t bytes = inputs.ByteSizeLong();
   if (bytes <= inputs_bytes_max) return std::nullopt;
   return problem(413,
-                 process_of(inputs) + ": its inputs take " + human_bytes(bytes) + ", and " +
-                     human_bytes(inputs_bytes_max) + " are kept of a job: name folders or patterns instead of files",
+                 process_of(inputs) + ": the inputs of the job take " + human_bytes(bytes) + ", and at most " +
+                     human_bytes(inputs_bytes_max) + " are allowed: name folders or patterns instead of files",
                  Errc::memory);
 }
 

@@ -105,7 +105,9 @@ Reply<JobDone> Workers::guarded(const JobWork& work) const {
   try {
     return hooks_.work(work);
   } catch (const std::bad_alloc&) {
-    return problem(422, "the system has no more memory to give", Errc::memory);
+    return problem(
+        422, "the operating system gave the job no more memory: let fewer jobs run at once, or give them less memory",
+        Errc::memory);
   } catch (const std::exception& thrown) {
     return problem(500, std::string("an internal error: ") + thrown.what(), Errc::internal);
   }
@@ -157,7 +159,7 @@ void Workers::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
       const auto changed = table_.change(*job, JobTable::Need::done, [](proto::JobRecord& waits) {
         waits.set_deaths(0);
         waits.set_state(job_state::accepted);
-        waits.set_message("waits to go on after a restart");
+        waits.set_message("waits to go on after a restart of the daemon");
       });
       static_cast<void>(changed);  // as in start()
     }

@@ -43,7 +43,8 @@ Reply<JobDone> run_contours(const Workshop& shop, const JobWork& work) {
 constinit const Process contours_process{
     .name = "contours",
     .title = "Contour lines",
-    .description = "The contour lines of a 2D result. Called contours.gpkg they are a collection of features, too.",
+    .description =
+        "Draws the contour lines of a 2D result. With the output contours.gpkg they are also a collection of features.",
     .outcome = "The file, by reference",
     .makes = Process::Makes::file,
     .costs = Process::Costs::before_it_waits,

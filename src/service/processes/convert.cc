@@ -65,7 +65,7 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   if (inputs.crop_size() > 0) {
     const std::vector<double> numbers(inputs.crop().begin(), inputs.crop().end());
     const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
-    if (!finite) return refuse("crop", "is not a box: a number of it is not finite");
+    if (!finite) return refuse("crop", "is not a box: one of its numbers is not finite");
     const auto box = crop_box(numbers, cloud.dimension == 2 ? 2 : 3);
     if (!box) return refuse("crop", box.error().where);
     cloud.crop = box.value();
@@ -78,7 +78,8 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   if (inputs.class__size() > classes_max)
     return refuse("class", "has " + std::to_string(inputs.class__size()) + " numbers, and there are 256 classes");
   for (const auto number : inputs.class_()) {
-    if (number > 255) return refuse("class", std::to_string(number) + " is no LAS class, a number from 0 to 255");
+    if (number > 255)
+      return refuse("class", std::to_string(number) + " is not a LAS class, which is a number from 0 to 255");
     cloud.classes.push_back(static_cast<int>(number));
   }
   if (inputs.has_returns()) {
@@ -92,7 +93,7 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   if (const auto columns = check_columns(cloud.columns); !columns) return refuse("columns", columns.error().where);
   cloud.attributes = list_of(inputs.attributes());
   if (std::find(cloud.attributes.begin(), cloud.attributes.end(), "") != cloud.attributes.end())
-    return refuse("attributes", "one has an empty name");
+    return refuse("attributes", "one of the names is empty");
   if (inputs.has_crs()) {
     // Never the name of a file, nor a text with a file name in it: the service opens only inputs, and PROJ only its own
     // files.
@@ -123,7 +124,7 @@ Result<proto::TriangulateInputs> renamed(const google::protobuf::Message& shared
 }  // namespace
 
 Result<double> length_of(const char* key, double value) {
-  if (!std::isfinite(value) || value <= 0) return refuse(key, "is not a distance, a number above 0");
+  if (!std::isfinite(value) || value <= 0) return refuse(key, "must be a finite number above 0");
   return value;
 }
 
@@ -136,14 +137,14 @@ Result<std::uint32_t> threads_of(std::uint32_t asked, const JobShare& share) {
 Result<std::uint64_t> memory_of(const std::string& text, const JobShare& share) {
   const auto asked = parse_memory(text);
   if (!asked) return refuse("memory", asked.error().where);
-  if (asked.value() == 0) return refuse("memory", "is 0");
+  if (asked.value() == 0) return refuse("memory", "must be more than 0");
   return std::min(asked.value(), share.memory_bytes);
 }
 
 std::string beyond_share(const proto::Inputs& inputs, const JobShare& share) {
   std::string told;
   const auto tell = [&](const char* key, const std::string& asked, const std::string& has) {
-    told += (told.empty() ? "" : "; ") + option(key) + ": " + asked + " asked for, a job has " + has + " here";
+    told += (told.empty() ? "" : "; ") + option(key) + ": " + asked + " are asked for, but a job gets " + has + " here";
   };
   const auto look = [&](const auto& of) {
     if constexpr (requires { of.threads(); }) {

@@ -45,7 +45,8 @@ std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& 
   estimate.set_points(points);
   if (limits.points > 0 && points > limits.points) {
     return problem(422,
-                   "inputs: hold " + grouped(points) + " points; a job may have " + grouped(limits.points) + " here",
+                   "inputs: hold " + grouped(points) + " points; a job may have at most " + grouped(limits.points) +
+                       " here (limits.points)",
                    Errc::memory);
   }
   const auto limit = tile_limit(options, cloud, nodes);
@@ -94,7 +95,7 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const Contou
   estimate.set_temporary_bytes(cost.value().scratch_bytes);
   const auto disk = cost.value().file_bytes + cost.value().scratch_bytes;
   estimate.set_seconds(estimate.seconds() + static_cast<double>(cost.value().points) / terrain_rate);
-  return check_disk("interval: lines of some " + grouped(cost.value().points) + " points need some " +
+  return check_disk("interval: lines of about " + grouped(cost.value().points) + " points need about " +
                         human_bytes(disk) + " of disk while they are made; ",
                     disk, limits, data);
 }
@@ -108,19 +109,19 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const Export
   if (!bytes) return problem_of(bytes.error());
   estimate.set_result_bytes(bytes.value());
   if (options.max_edge) return std::nullopt;  // the option may leave out most cells
-  return check_disk("output: the export needs some " + human_bytes(bytes.value()) + " of disk; ", bytes.value(), limits,
-                    data);
+  return check_disk("output: the export needs about " + human_bytes(bytes.value()) + " of disk; ", bytes.value(),
+                    limits, data);
 }
 
 std::optional<proto::Problem> check_disk(const std::string& needs, std::uint64_t bytes, const ServiceLimits& limits,
                                          const std::filesystem::path& data) {
   if (limits.disk_bytes > 0 && bytes > limits.disk_bytes)
-    return problem(422, needs + "a job may have " + human_bytes(limits.disk_bytes) + " here (limits.disk)",
+    return problem(422, needs + "a job may take at most " + human_bytes(limits.disk_bytes) + " here (limits.disk)",
                    Errc::memory);
   if (const auto free = free_bytes(data); bytes > free - std::min(free, limits.reserve_bytes))
     return problem(507,
-                   needs + "there are " + human_bytes(free) + ", of which " + human_bytes(limits.reserve_bytes) +
-                       " stay free (limits.reserve)",
+                   needs + human_bytes(free) + " are free, of which " + human_bytes(limits.reserve_bytes) +
+                       " must stay free (limits.reserve)",
                    Errc::io);
   return std::nullopt;
 }

@@ -43,7 +43,8 @@ constinit const Process dem_process{
     .name = "dem",
     .title = "Raster",
     .description =
-        "The surface of a 2D result as a raster, a Cloud Optimized GeoTIFF. Called dem.tif it is a map, too.",
+        "Draws the surface of a 2D result as a raster, a Cloud Optimized GeoTIFF. With the output dem.tif it is also a "
+        "map.",
     .outcome = "The file, by reference",
     .makes = Process::Makes::file,
     .costs = Process::Costs::before_it_waits,

@@ -23,7 +23,7 @@ Status read_common(const Inputs& inputs, const JobShare& share, Options& options
   if (inputs.bbox_size() > 0) {
     const std::vector<double> numbers(inputs.bbox().begin(), inputs.bbox().end());
     for (const double number : numbers)
-      if (!std::isfinite(number)) return refuse("bbox", "is not a box: a number of it is not finite");
+      if (!std::isfinite(number)) return refuse("bbox", "is not a box: one of its numbers is not finite");
     const auto box = crop_box(numbers, 2);
     if (!box) return refuse("bbox", box.error().where);
     options.box = Bounds{box.value().lo, box.value().hi};
@@ -58,7 +58,8 @@ Result<DemOptions> dem_options(const proto::DemInputs& inputs, const JobShare& s
     BOOST_OUTCOME_TRYV(check_light(light));
     options.light = light;
   } else if (inputs.has_azimuth() || inputs.has_altitude()) {
-    return refuse(inputs.has_azimuth() ? "azimuth" : "altitude", "belongs to " + option("hillshade", "true"));
+    return refuse(inputs.has_azimuth() ? "azimuth" : "altitude",
+                  "has an effect only with " + option("hillshade", "true"));
   }
   return options;
 }

@@ -17,7 +17,7 @@ namespace {
 Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs().export_();
   if (inputs.has_heights() || inputs.has_spatial_index() || inputs.local())
-    return problem(400, "format: 3dtiles takes neither heights nor spatial_index nor local", Errc::usage);
+    return problem(400, "format: 3dtiles cannot be combined with heights, spatial_index or local", Errc::usage);
   TilesetOptions options{.memory_bytes = shop.share.memory_bytes, .progress = percentage(work)};
   if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
@@ -69,7 +69,7 @@ Reply<proto::Estimate> estimate_export(const Workshop& shop, const proto::Inputs
 
 constinit const Process export_process{.name = "export",
                                        .title = "Export",
-                                       .description = "Writes a result as a file of another program.",
+                                       .description = "Writes a result as a file for other programs.",
                                        .outcome = "The file, by reference",
                                        .makes = Process::Makes::file,
                                        .costs = Process::Costs::before_it_waits,

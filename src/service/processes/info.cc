@@ -25,7 +25,7 @@ Result<std::optional<proto::Problem>> takes_too_long(const Workshop& shop, const
   BOOST_OUTCOME_TRY(cloud, cloud_of(inputs));
   BOOST_OUTCOME_TRY(options, job_options(cloud, shop.share));
   const auto found = shop.roots.files(list_of(inputs.inputs()), inputs.recursive());
-  if (Ledger::reason_of_thread()) return Refused(needs_a_job("inputs: so many files"));
+  if (Ledger::reason_of_thread()) return Refused(needs_a_job("inputs: so many files as these"));
   if (!found) return found.error();
   const auto& files = found.value();
   if (files.size() > described_at_once_max) return Refused(needs_a_job("inputs: " + grouped(files.size()) + " files"));
@@ -42,7 +42,7 @@ Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInput
                                     const std::stop_token& stop) {
   DescribeOptions how{.json = true, .statistics = inputs.stats(), .names = field_name};
   if (!inputs.triangulation().empty()) {
-    if (inputs.inputs_size() > 0) return error(Errc::usage, "inputs: give them, or a triangulation, not both");
+    if (inputs.inputs_size() > 0) return error(Errc::usage, "inputs: cannot be given together with triangulation");
     BOOST_OUTCOME_TRY(there, shop.results.exists(inputs.triangulation()));
     if (!there) return error(Errc::usage, "triangulation: there is none called '" + inputs.triangulation() + "'");
     return describe_result(shop.results.folder(inputs.triangulation()), true);
@@ -80,8 +80,9 @@ Reply<JobDone> info(const Workshop& shop, const JobWork& work) {
 constinit const Process info_process{
     .name = "info",
     .title = "Info",
-    .description = "What input files or a result hold. Answered at once, unless Prefer: respond-async makes it a job.",
-    .outcome = "What they hold",
+    .description =
+        "Describes input files or a result. The answer comes at once, unless Prefer: respond-async makes it a job.",
+    .outcome = "The description of the files or of the result",
     .waits = true,
     .check_options = check_info_options,
     .check = check_info,

@@ -55,7 +55,7 @@ std::optional<proto::Problem> Processes::check(const proto::Inputs& inputs, std:
 
 Reply<Submitted> Processes::submit(const proto::Inputs& inputs, const Caller& caller,
                                    std::string_view idempotency_key) {
-  if (caller.role < Role::submit) return problem(403, "to submit jobs takes the role submit", Errc::usage);
+  if (caller.role < Role::submit) return problem(403, "submitting a job needs a token of role submit", Errc::usage);
   if (idempotency_key.size() > key_bytes_max)
     return problem(400, "the idempotency key is longer than " + std::to_string(key_bytes_max) + " bytes", Errc::usage);
   const std::string key = problem(0, idempotency_key).detail();  // as it will be stored: UTF-8
@@ -89,7 +89,7 @@ Reply<Submitted> Processes::submit(const proto::Inputs& inputs, const Caller& ca
 Reply<proto::Estimate> Processes::estimate(const proto::Inputs& inputs, const Caller& caller) {
   const bool reads_inputs = makes_result(inputs);
   if (caller.role < (reads_inputs ? Role::submit : Role::read))
-    return problem(403, "an estimate reads inputs, which takes the role submit", Errc::usage);
+    return problem(403, "an estimate that reads input files needs a token of role submit", Errc::usage);
   const WhileAnyoneWaits waited(caller.stop);
   std::string triangulation;
   // The inputs of a triangulation are checked with its costs.
@@ -104,7 +104,7 @@ Reply<proto::Estimate> Processes::estimate(const proto::Inputs& inputs, const Ca
 
 Reply<std::string> Processes::info(const proto::InfoInputs& inputs, const Caller& caller) {
   if (caller.role < (inputs.triangulation().empty() ? Role::submit : Role::read))
-    return problem(403, "to be told of inputs takes the role submit", Errc::usage);
+    return problem(403, "describing input files needs a token of role submit", Errc::usage);
   const auto refuse = [&](const Error& failed) {
     return in_callers_words(shop_, inputs.triangulation().empty() ? problem_of_inputs(failed) : problem_of(failed));
   };

@@ -104,20 +104,20 @@ Result<proto::Estimate> estimate_boxes(const Workshop& shop, const proto::Region
   estimate.set_accepted(true);
   const auto found = shop.roots.files(list_of(inputs.inputs()), inputs.recursive());
   if (Ledger::reason_of_thread()) {
-    estimate.set_reason("so many files are measured when the job runs");
+    estimate.set_reason("there are too many files to measure now; they are measured when the job runs");
     return estimate;
   }
   if (!found) return found.error();
   const auto& files = found.value();
   BOOST_OUTCOME_TRY(packed, any_packed(files));
   if (packed || options.scan) {
-    estimate.set_reason("files that are compressed or scanned are measured when the job runs");
+    estimate.set_reason("files that are compressed or scanned are measured only when the job runs");
     return estimate;
   }
   BOOST_OUTCOME_TRY(cloud, Cloud::open(files, options.cloud, Ledger::token_of_thread()));
   for (const auto& file : cloud.files()) {
     if (file.bounds) continue;
-    estimate.set_reason("files that do not state where their points are are measured when the job runs");
+    estimate.set_reason("files without the bounds of their points are measured only when the job runs");
     return estimate;
   }
   BOOST_OUTCOME_TRY(lent, shop.clouds.lend(files, options, words_of(inputs), Ledger::token_of_thread()));
@@ -145,13 +145,13 @@ Result<proto::Estimate> estimate_boxes(const Workshop& shop, const proto::Region
   shop.clouds.give_back(std::move(lent));
   const auto refuse = [&](const std::string& why) {
     estimate.set_accepted(false);
-    estimate.set_reason("bbox: the boxes that meet it hold " + grouped(points) + " points, " + why);
+    estimate.set_reason("bbox: the parts of the files that meet it hold " + grouped(points) + " points, " + why);
   };
   if (inputs.partial()) return estimate;
   if (points > options.limits.max_points) {
-    refuse("and " + grouped(options.limits.max_points) + " are allowed");
+    refuse("and at most " + grouped(options.limits.max_points) + " are allowed");
   } else if (estimate.memory_bytes() > options.limits.memory_bytes) {
-    refuse("which take " + human_bytes(estimate.memory_bytes()) + "; the job has " +
+    refuse("which need " + human_bytes(estimate.memory_bytes()) + " of memory; the job has " +
            human_bytes(options.limits.memory_bytes));
   } else if (const auto beyond = check_disk("and need " + human_bytes(cost.result_bytes) + " of disk; ",
                                             cost.result_bytes, shop.limits, shop.data)) {
@@ -182,9 +182,9 @@ constinit const Process region_process{
     .name = "region",
     .title = "Region",
     .description =
-        "The exact cells of a region of point clouds, of which only what they need is read: bbox or polygon says "
-        "where.",
-    .outcome = "The cells, a result as those of triangulate, by reference",
+        "Triangulates only a region of point clouds, exactly, and reads only the points that this needs. bbox or "
+        "polygon gives the region.",
+    .outcome = "The cells, as a result like those of triangulate, by reference",
     .makes = Process::Makes::result,
     .costs = Process::Costs::on_request,
     .check_options = check_region_options,

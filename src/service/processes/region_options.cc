@@ -34,7 +34,7 @@ Status read_place(const proto::RegionInputs& inputs, RegionJobOptions& options) 
   }
   const std::vector<double> numbers(inputs.bbox().begin(), inputs.bbox().end());
   for (const double number : numbers)
-    if (!std::isfinite(number)) return refuse("bbox", "is not a box: a number of it is not finite");
+    if (!std::isfinite(number)) return refuse("bbox", "is not a box: one of its numbers is not finite");
   const auto box = crop_box(numbers, options.cloud.dimension == 2 ? 2 : 3);
   if (!box) return refuse("bbox", box.error().where);
   options.box = box.value();

@@ -37,7 +37,7 @@ Reply<JobDone> run_surface(const Workshop& shop, const JobWork& work) {
   const auto begun = surface_run_folder(folder / output);
   const auto there = is_there(begun);
   if (!there) return problem_of(there.error());
-  if (there.value()) work.log("goes on with what is there");
+  if (there.value()) work.log("continues the work of an earlier start of this job");
   const auto write = [&] {
     EngineSteps steps(
         shop.engine,
@@ -60,8 +60,8 @@ constinit const Process surface_process{
     .name = "surface",
     .title = "Surface",
     .description =
-        "A closed surface of a 3D result, every triangle a facet of the triangulation. surface.ply when no name is "
-        "given.",
+        "Makes a closed surface of a 3D result, whose triangles are facets of the triangulation. Without output the "
+        "file is called surface.ply.",
     .outcome = "The file, by reference",
     .makes = Process::Makes::file,
     .usual_output = usual_surface,

@@ -33,7 +33,8 @@ const google::protobuf::FieldDescriptor& member_of(const Process& process) {
 Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {
   const Ledger::Use use(&work.ledger);
   const Process* process = find_process(process_of(work.job.inputs()));
-  if (process == nullptr) return problem(500, "the job has no inputs of a process", Errc::corrupt);
+  if (process == nullptr)
+    return problem(500, "the record of the job does not say which process it runs", Errc::corrupt);
   auto done = [&]() -> Reply<JobDone> {
     try {
       return process->run(shop, work);

@@ -48,7 +48,7 @@ Reply<JobDone> done_with(JobSummary summary, const proto::JobRecord& job) {
 proto::Problem failed_with(const Error& error, const std::optional<proto::Problem>& refused, ResultFolder& folder,
                            const Workshop& shop, const JobWork& work) {
   if (error.code == Errc::interrupted) {
-    work.log(folder.abandon_unless_resumable() ? "interrupted; what is done stays"
+    work.log(folder.abandon_unless_resumable() ? "interrupted; the work done so far is kept"
                                                : "interrupted before there was anything to keep");
     return problem_of(error);
   }
@@ -94,7 +94,7 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
     for (const auto& warning : cloud.warnings()) work.log("warning: " + warning);
     return std::move(cloud);
   };
-  if (folder.value().resuming()) work.log("goes on with what is there");
+  if (folder.value().resuming()) work.log("continues the work of an earlier start of this job");
   DiskWatch watch(path, work.ledger);
   auto summary = run_job(shop.engine, options.value(), open, folder.value(), work.progress, work.ledger.token());
   if (const auto bounded = watch.finish(); !bounded && summary) summary = bounded.error();
@@ -114,12 +114,13 @@ Reply<proto::Estimate> estimate_triangulate(const Workshop& shop, const proto::I
   const auto looked = [&]() -> Status {
     BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
     if (files.size() > files_opened_max) {
-      estimate.set_reason("more than " + grouped(files_opened_max) + " files are measured when the job runs");
+      estimate.set_reason("there are more than " + grouped(files_opened_max) +
+                          " files; they are measured when the job runs");
       return success();
     }
     BOOST_OUTCOME_TRY(packed, any_packed(files));
     if (packed) {
-      estimate.set_reason("compressed files are measured when the job runs");
+      estimate.set_reason("compressed files are measured only when the job runs");
       return success();
     }
     BOOST_OUTCOME_TRY(cloud, open_cloud(files, options.value(), Ledger::token_of_thread()));
@@ -127,7 +128,7 @@ Reply<proto::Estimate> estimate_triangulate(const Workshop& shop, const proto::I
     return success();
   }();
   if (!looked && !Ledger::reason_of_thread()) return in_callers_words(shop, problem_of_inputs(looked.error()));
-  if (!looked) estimate.set_reason("files that take so long are measured when the job runs");
+  if (!looked) estimate.set_reason("the files take too long to measure now; they are measured when the job runs");
   if (refused) estimate.set_reason(refused->detail());
   estimate.set_accepted(!refused);
   return estimate;

@@ -67,19 +67,20 @@ std::string all_of(std::span<const Point> points, std::span<const Found> answers
 Result<std::vector<Point>> points_of(std::string_view message, int dimension) {
   const auto bad = [](const std::string& what) { return error(Errc::bad_input, "the body: " + what); };
   proto::Points columns;
-  if (!columns.ParseFromArray(message.data(), static_cast<int>(message.size()))) return bad("is no Points message");
-  if (columns.x().empty()) return bad("must be a Points message with points");
+  if (!columns.ParseFromArray(message.data(), static_cast<int>(message.size())))
+    return bad("is not a protobuf message tessera.proto.Points");
+  if (columns.x().empty()) return bad("has no points: its list x is empty");
   const google::protobuf::RepeatedField<double>* lists[] = {&columns.x(), &columns.y(), &columns.z()};
   for (int axis = 1; axis < dimension; ++axis)
     if (lists[axis]->size() != columns.x_size())
-      return bad("has " + std::to_string(columns.x_size()) + " numbers x, but " + std::to_string(lists[axis]->size()) +
-                 " " + "xyz"[axis]);
+      return bad("has " + std::to_string(columns.x_size()) + " values of x, but " +
+                 std::to_string(lists[axis]->size()) + " of " + "xyz"[axis]);
   std::vector<Point> points;
   points.reserve(static_cast<std::size_t>(columns.x_size()));
   for (int i = 0; i < columns.x_size(); ++i) {
     Point p;
     for (int axis = 0; axis < dimension; ++axis) p[axis] = lists[axis]->Get(i);
-    if (!is_finite(p)) return bad("point " + std::to_string(i) + " is not finite");
+    if (!is_finite(p)) return bad("point " + std::to_string(i) + " has a coordinate that is not finite");
     points.push_back(without_negative_zero(p));
   }
   return points;

@@ -16,13 +16,13 @@ Result<QuestionAnswer> answer_cells(const OpenQuestion& asked) {
   const std::string format = asked.word("f", asked.dimension == 2 ? "geojson" : "ply");
   if (format == "npy")
     return error(Errc::usage,
-                 "f: 'npy' is a folder of arrays, and an answer is one file: ask for another format, or for "
-                 "the process export");
+                 "f: the format npy is a folder of arrays, and an answer is a single file: ask for another format, or "
+                 "run the process export");
   const ExportOptions options{.format = format};
   const auto target = answer_file(asked.folder, "." + format);
   BOOST_OUTCOME_TRYV(find_export_target(target, options));
   BOOST_OUTCOME_TRY(set, asked.reader.stored.cells(area, most, asked.ask));
-  if (set.tiles.empty()) return error(Errc::bad_input, "no cell meets what is asked for");
+  if (set.tiles.empty()) return error(Errc::bad_input, "no cell meets the box or polygon");
   BOOST_OUTCOME_TRY(exported, export_cells(path_of(asked.reader.held.folder), asked.reader.stored.manifest(), set.mesh,
                                            set.tiles, target, options, asked.ask.stop));
   return asked.file(exported.path, set.final);

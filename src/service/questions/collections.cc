@@ -60,9 +60,9 @@ Result<std::optional<FeatureCollection>> Collections::make(const std::string& na
                          .extent = place->extent,
                          .storage_crs = place->storage_crs};
   made.title = name + (kind == "tiles" ? ": tiles" : kind == "hull" ? ": hull" : ": contour lines");
-  made.description = kind == "tiles"  ? "The parts of space that the tiles of the triangulation " + name + " have"
-                     : kind == "hull" ? "The convex hull of the points of " + name + " in the plane"
-                                      : "The contour lines of the surface " + name;
+  made.description = kind == "tiles"  ? "The areas that the tiles of the triangulation " + name + " cover"
+                     : kind == "hull" ? "The convex hull of the points of the triangulation " + name + ", in the plane"
+                                      : "The contour lines of the surface of the triangulation " + name;
   return std::optional(std::move(made));
 }
 
@@ -99,8 +99,8 @@ Reply<std::array<double, 4>> Collections::map_extent(std::string_view name) {
   const auto missing = [&] {
     return problem(404,
                    "triangulation '" + std::string(name) +
-                       "' has no map: the process dem makes one, of heights, when its output is " +
-                       dem_of_result("").filename().string() + " and the coordinates have a system",
+                       "' has no map: the process dem makes one from the heights when its output is called " +
+                       dem_of_result("").filename().string() + " and the result has a coordinate system",
                    Errc::usage);
   };
   const auto held = results_.find(name);

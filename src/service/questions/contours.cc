@@ -35,7 +35,7 @@ Result<QuestionAnswer> answer_contours(const OpenQuestion& asked) {
   options.samples_max = asked.limits.pixels;
   const std::string format = asked.word("f", "geojson");
   if (format != "geojson" && format != "gpkg")
-    return error(Errc::usage, "f: '" + format + "' is no format of lines; there are geojson and gpkg");
+    return error(Errc::usage, "f: '" + format + "' is not a format of lines; the formats are geojson and gpkg");
   BOOST_OUTCOME_TRY(made, write_contours(path_of(asked.reader.held.folder), answer_file(asked.folder, "." + format),
                                          options, asked.ask.stop));
   return asked.file(made.path,

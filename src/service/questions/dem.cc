@@ -25,9 +25,10 @@ Result<QuestionAnswer> answer_dem(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRY(grid, terrain::grid_over(options.res, options.box.value_or(bounds), bounds));
   const auto pixels = static_cast<std::uint64_t>(grid.width) * static_cast<std::uint64_t>(grid.height);
   if (pixels > asked.limits.pixels)
-    return error(Errc::memory, "the raster has " + grouped(static_cast<std::uint64_t>(grid.width)) + " x " +
-                                   grouped(static_cast<std::uint64_t>(grid.height)) + " pixels, and an answer " +
-                                   grouped(asked.limits.pixels) + " at most: ask for a smaller bbox or a larger res");
+    return error(Errc::memory, "the raster would have " + grouped(static_cast<std::uint64_t>(grid.width)) + " x " +
+                                   grouped(static_cast<std::uint64_t>(grid.height)) +
+                                   " pixels, and an answer may have " + grouped(asked.limits.pixels) +
+                                   " at most: ask for a smaller bbox or a larger res");
   // The box of the pixels' centres: cells that contain no centre have no pixels. The cells of a small box come from few
   // tiles. When there are too many for memory, all tiles are read one after the other.
   const query::Area area{

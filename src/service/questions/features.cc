@@ -88,9 +88,9 @@ Result<MapForm> map_form(const OpenQuestion& asked) {
     if (wanted == crs84_uri) continue;
     BOOST_OUTCOME_TRY(own, storage_crs(asked.reader.stored.manifest().crs));
     if (own.uri.empty() || wanted != own.uri)
-      return error(Errc::usage, std::string(key) + ": '" + wanted + "' is no system of this collection; there " +
-                                    (own.uri.empty() ? "is " : "are ") + crs84_uri +
-                                    (own.uri.empty() ? "" : " and " + own.uri));
+      return error(Errc::usage,
+                   std::string(key) + ": '" + wanted + "' is not a coordinate system of this collection; there " +
+                       (own.uri.empty() ? "is " : "are ") + crs84_uri + (own.uri.empty() ? "" : " and " + own.uri));
     form.*stored = true;
     form.swapped = own.swapped;
   }

@@ -20,7 +20,7 @@ Result<query::Method> parse_method(const std::string& text) {
 
 Result<QuestionAnswer> answer_interpolate(const OpenQuestion& asked) {
   query::InterpolateOptions what{.value = asked.word("value", asked.dimension == 2 ? "z" : "")};
-  if (what.value.empty()) return error(Errc::usage, "value: say which attribute of the vertices to interpolate");
+  if (what.value.empty()) return error(Errc::usage, "value: must name the attribute of the vertices to interpolate");
   BOOST_OUTCOME_TRY(method, asked.read("method", parse_method));
   what.method = method;
   BOOST_OUTCOME_TRY(weights, asked.read("weights", [](const std::string& text) {

@@ -28,7 +28,8 @@ Result<QuestionAnswer> locate_named(const OpenQuestion& asked) {
   const auto tile = parse_integer(text.substr(0, comma), 0, 999'999);
   const auto place = parse_integer(comma == std::string::npos ? "" : text.substr(comma + 1), 0, 0x7fffffff);
   if (!tile || !place || asked.question.options.contains("point"))
-    return error(Errc::usage, "cell: give TILE,CELL, as other answers name cells, and no point");
+    return error(Errc::usage,
+                 "cell: must be TILE,CELL, the two numbers of a cell in other answers, and be given without point");
   BOOST_OUTCOME_TRY(cell, asked.reader.stored.cell(TileId{static_cast<std::uint32_t>(tile.value())},
                                                    static_cast<std::int32_t>(place.value())));
   BOOST_OUTCOME_TRY(details, asked.reader.stored.details(cell));

@@ -23,7 +23,7 @@ Result<QuestionAnswer> answer_map_tile(const OpenQuestion& asked) {
   tile = {static_cast<int>(std::min<std::int64_t>(level, terrain::MapTile::levels)), row, column};
   const std::string style = asked.word("style", "hillshade");
   if (style != "hillshade" && style != "terrain-rgb")
-    return error(Errc::usage, "style: '" + style + "' is no style; there are hillshade and terrain-rgb");
+    return error(Errc::usage, "style: '" + style + "' is not a style; the styles are hillshade and terrain-rgb");
   if (!tile.exists()) return error(Errc::usage, "the map has no such tile");
   BOOST_OUTCOME_TRY(raster, terrain::HeightRaster::open(dem_of_result(path_of(asked.reader.held.folder))));
   BOOST_OUTCOME_TRY(

@@ -44,7 +44,7 @@ std::string OpenQuestion::word(const std::string& key, const std::string& usual)
 
 Result<PointId> OpenQuestion::vertex() const {
   const auto id = parse_integer(question.vertex, 0, std::numeric_limits<std::int64_t>::max());
-  if (!id) return error(Errc::usage, "a vertex is named by its source index: " + id.error().where);
+  if (!id) return error(Errc::usage, "a vertex is named by its source index, a whole number: " + id.error().where);
   return PointId{static_cast<std::uint64_t>(id.value())};
 }
 
@@ -68,7 +68,7 @@ Result<std::vector<Point>> OpenQuestion::points_in_json() const {
   if (document.is_discarded()) return bad("is not JSON");
   const auto list = document.is_object() ? document.find("points") : document.end();
   if (!document.is_object() || list == document.end() || !list->is_array() || list->empty())
-    return bad("must be an object with a list 'points', that is not empty");
+    return bad("must be a JSON object with a list 'points' that is not empty");
   std::vector<Point> points;
   for (std::size_t i = 0; i < list->size(); ++i) {
     const auto& numbers = (*list)[i];
@@ -77,7 +77,7 @@ Result<std::vector<Point>> OpenQuestion::points_in_json() const {
       return bad(place + ": must be a list of " + std::to_string(dimension) + " numbers");
     Point p;
     for (std::size_t axis = 0; axis < numbers.size(); ++axis) {
-      if (!numbers[axis].is_number()) return bad(place + ": has what is no number");
+      if (!numbers[axis].is_number()) return bad(place + ": has a coordinate that is not a number");
       if (static_cast<int>(axis) < dimension) p[static_cast<int>(axis)] = numbers[axis].get<double>();
     }
     points.push_back(without_negative_zero(p));
@@ -91,7 +91,7 @@ Result<std::vector<Point>> OpenQuestion::points_in_file(const std::string& endin
   const auto bytes = std::as_bytes(std::span(*question.body));
   const auto wanted = ending == ".npy" ? FileFormat::npy : FileFormat::text;
   if (format_of(bytes.first(std::min(bytes.size(), format_bytes)), "body" + ending, bytes.size()) != wanted)
-    return error(Errc::bad_input, std::string("the body: is not ") + (ending == ".npy" ? "NumPy's format" : "text"));
+    return error(Errc::bad_input, std::string("the body: is not ") + (ending == ".npy" ? "a NumPy array" : "text"));
   const auto path = asked_points_file(folder, ending);
   BOOST_OUTCOME_TRYV(write_whole(path, *question.body));
   const auto read = [&]() -> Result<std::vector<Point>> {
@@ -99,7 +99,8 @@ Result<std::vector<Point>> OpenQuestion::points_in_file(const std::string& endin
     std::vector<Point> points;
     BOOST_OUTCOME_TRY(counts, cloud.for_each_batch([&](CloudBatch& batch) -> Status {
       if (points.size() + batch.points.size() > limits.points)
-        return error(Errc::memory, path.string() + ": holds more than " + grouped(limits.points) + " points");
+        return error(Errc::memory, path.string() + ": holds more than " + grouped(limits.points) +
+                                       " points: send them in several requests");
       for (const auto& p : batch.points) points.push_back(p.at);
       return success();
     }));

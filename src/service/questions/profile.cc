@@ -66,7 +66,7 @@ Result<QuestionAnswer> answer_profile(const OpenQuestion& asked) {
   }
   const std::string format = asked.word("f", "csv");
   if (format != "csv" && format != "json" && format != "geojson")
-    return error(Errc::usage, "f: '" + format + "' is no format of profiles; there are csv, json and geojson");
+    return error(Errc::usage, "f: '" + format + "' is not a format of profiles; the formats are csv, json and geojson");
   BOOST_OUTCOME_TRY(points, tessera::profile(asked.reader.stored, path_of(asked.reader.held.folder), line, options));
   Bounds box;
   for (const Point& p : line) box.add(p);

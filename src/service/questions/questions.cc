@@ -90,7 +90,7 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   if (answer) return std::move(answer).value();
   // An error that follows from the removal is no damage.
   if (reader.gone.stop_requested())
-    return problem(410, "triangulation '" + name + "' was removed while it was asked", Errc::usage);
+    return problem(410, "triangulation '" + name + "' was removed while the question was being answered", Errc::usage);
   if (const auto reason = ledger.reason()) return problem_of(*reason);
   return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
 }

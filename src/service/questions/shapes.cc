@@ -20,7 +20,8 @@ Result<QuestionAnswer> shown(const OpenQuestion& asked, const tileset::Shape& sh
 
 Status has_volume(const OpenQuestion& asked) {
   if (asked.dimension == 3) return success();
-  return error(Errc::usage, "this is a 2D result: its surface is shown as 3dtiles");
+  return error(Errc::usage,
+               "this question is for 3D results, and this is a 2D result; export it in the format 3dtiles to view it");
 }
 
 }  // namespace
@@ -40,7 +41,8 @@ Result<QuestionAnswer> answer_section(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRY(at, asked.read("through", three));
   BOOST_OUTCOME_TRY(normal, asked.read("normal", three));
   const double length = std::hypot(normal.x, normal.y, normal.z);
-  if (!(length > 0) || !std::isfinite(length)) return error(Errc::usage, "normal: must have a length");
+  if (!(length > 0) || !std::isfinite(length))
+    return error(Errc::usage, "normal: must be a vector other than 0,0,0, of finite length");
   query::Area area;
   if (asked.question.options.contains("bbox")) {
     BOOST_OUTCOME_TRY(box, asked.read("bbox", [](const std::string& text) { return parse_crop(text, 3); }));

@@ -35,7 +35,7 @@ constexpr QuestionRow table[] = {{About::locate, answer_locate},
 Result<QuestionAnswer> answer(const OpenQuestion& asked) {
   const auto row = std::find_if(std::begin(table), std::end(table),
                                 [&](const QuestionRow& each) { return each.about == asked.question.about; });
-  if (row == std::end(table)) return error(Errc::internal, "a question of no kind");
+  if (row == std::end(table)) return error(Errc::internal, "the question is of an unknown kind");
   return row->answer(asked);
 }
 

@@ -109,7 +109,8 @@ Result<bool> ResultFolders::made_by(std::string_view name, const std::string& jo
 }
 
 Result<ResultFolders::Held> ResultFolders::hold(std::string_view name) {
-  if (const auto fits = check_name(name); !fits) return error(Errc::usage, "the name " + fits.error().where);
+  if (const auto fits = check_name(name); !fits)
+    return error(Errc::usage, "the name of the triangulation " + fits.error().where);
   Held held;
   BOOST_OUTCOME_TRY(folder, open_handle(this->folder(name), O_PATH | O_DIRECTORY | O_NOFOLLOW));
   held.folder = std::move(folder);
@@ -185,7 +186,7 @@ Reply<proto::TriangulationInfo> ResultFolders::info(std::string_view name) {
 
 Reply<ServedFile> ResultFolders::file(std::string_view name, std::string_view path) {
   const auto nothing = [&] {
-    return problem(404, "there is no file '" + std::string(path) + "' of a triangulation '" + std::string(name) + "'");
+    return problem(404, "there is no file '" + std::string(path) + "' in a triangulation '" + std::string(name) + "'");
   };
   const fs::path inside{std::string(path)};
   if (!is_served(inside)) return nothing();

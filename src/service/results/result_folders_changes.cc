@@ -87,7 +87,8 @@ Result<fs::path> ResultFolders::publish(const std::string& job, const std::strin
   if (anything) {
     BOOST_OUTCOME_TRY(result, exists(name));
     if (!overwrite || !result)
-      return error(Errc::usage, "output: there is something called '" + name + "' already, which is not replaced");
+      return error(Errc::usage,
+                   "output: there is a file or folder called '" + name + "' already, and it is not replaced");
     // Until the new result is in its place, a successor would put the old one back.
     BOOST_OUTCOME_TRY(picked_up, desk_.pick_up(folder(name)));
     replaced = std::move(picked_up);
@@ -156,7 +157,8 @@ Status ResultFolders::publish_export(const proto::JobRecord& job) {
     if (file == output || !stands) continue;
     BOOST_OUTCOME_TRY(owner, export_owner(name, file));
     if (!replaceable.contains(owner))
-      return error(Errc::usage, "output: it would replace the export '" + file + "', which somebody else has made");
+      return error(Errc::usage,
+                   "output: the job would also replace the export '" + file + "', which another caller has made");
   }
   BOOST_OUTCOME_TRY(ours, desk_.pick_up(made));
   const auto published = [&]() -> Status {

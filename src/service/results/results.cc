@@ -108,7 +108,10 @@ Reply<void> Results::remove(std::string_view name, const Caller& caller) {
     const std::lock_guard lock(table_.mutex);
     for (const auto& id : table_.active) {
       if (table_.jobs.at(id)->record.triangulation() == name)
-        return problem(409, "triangulation '" + std::string(name) + "': job " + id + " works on it", Errc::usage);
+        return problem(409,
+                       "triangulation '" + std::string(name) + "': job " + id +
+                           " works on it; wait for that job to end, or dismiss it",
+                       Errc::usage);
     }
     const auto owner = admission_.owner_of_result(std::string(name));
     if (!owner) return problem_of(owner.error());
@@ -144,7 +147,9 @@ Reply<void> Results::remove_export(std::string_view name, std::string_view file,
       const auto& record = job->record;
       if (record.triangulation() != name || export_output(record.inputs()) != output) continue;
       if (table_.active.contains(id))
-        return problem(409, "export '" + output + "': job " + id + " works on it", Errc::usage);
+        return problem(409,
+                       "export '" + output + "': job " + id + " works on it; wait for that job to end, or dismiss it",
+                       Errc::usage);
       if (job->is(job_state::successful)) last = id;
     }
     if (!may_remove(owner.value(), caller))

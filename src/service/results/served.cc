@@ -33,7 +33,7 @@ std::string media_type_of(const fs::path& path) {
 Result<ServedFile> served(FileHandle file, const fs::path& path, const std::string& type, std::string etag) {
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) return io_error(path, "cannot be looked at", errno);
-  if (!S_ISREG(status.st_mode)) return error(Errc::io, path.string() + ": is no file");
+  if (!S_ISREG(status.st_mode)) return error(Errc::io, path.string() + ": is not a file");
   const int descriptor = ::fcntl(file.get(), F_DUPFD_CLOEXEC, 0);
   if (descriptor < 0) return io_error(path, "cannot be opened", errno);
   return ServedFile{descriptor, static_cast<std::uint64_t>(status.st_size), type,

@@ -1,0 +1,43 @@
+// One kind of measure: its columns, and their values for each tile.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/result/pass.h"
+#include "src/result/store/tile_store.h"
+#include "src/result/tile_source.h"
+
+namespace tessera {
+
+class TileMeasure {
+ public:
+  virtual ~TileMeasure() = default;
+  // Name, type, unit, and whether the column is of cells.
+  virtual std::vector<ResultColumn> columns() const = 0;
+  // The values of a tile, in the order of the columns. Called by several threads, once for each tile. Errors: corrupt
+  // for a cell that is not positively oriented; interrupted.
+  virtual Result<PassValues> of(std::size_t index, const StoredTile& tile) = 0;
+  // Called after all tiles. Sets what is known of a column as a whole; `columns` are those of columns().
+  virtual void finish(std::vector<ResultColumn>& columns) const = 0;
+  // How many values were too large for a double. Each cell and vertex counts once.
+  virtual std::uint64_t infinite() const = 0;
+};
+
+// The volume of each cell, and for each vertex the sum over the cells around it; in 2D areas in the plane.
+std::unique_ptr<TileMeasure> measure_volumes(const TileSource& source, std::stop_token stop);
+// The shape of each cell (cell_quality.h).
+std::unique_ptr<TileMeasure> measure_quality(const TileSource& source, std::stop_token stop);
+// The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid (voronoi_part.h). REQUIRES:
+// the result is a whole triangulation.
+std::unique_ptr<TileMeasure> measure_voronoi(const TileSource& source, std::stop_token stop);
+
+// The unit of lengths to the power of `exponent`; "" when it is not known or not the same on all axes.
+std::string unit_of(const Manifest& manifest, int exponent);
+
+}  // namespace tessera

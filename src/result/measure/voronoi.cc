@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "src/result/measure/values.h"
+#include "src/result/measure/voronoi_part.h"
+
+namespace tessera {
+namespace {
+
+using query::Long;
+using query::Vec;
+using query::Wide;
+
+// What is known of a vertex's Voronoi cell.
+struct VoronoiCell {
+  double volume = 0, surface = 0;
+  std::array<double, 3> centroid{};
+  std::uint32_t neighbours = 0;
+};
+
+class VoronoiCells {
+ public:
+  explicit VoronoiCells(const TileMesh& mesh)
+      : mesh_(mesh), corners_(static_cast<std::size_t>(mesh.dimension) + 1), stars_(mesh) {}
+
+  VoronoiCell of(std::size_t vertex) {
+    VoronoiCell cell;
+    const auto star = stars_.of(vertex);
+    cell.neighbours = count_neighbours(vertex, star);
+    const Border border = border_of(vertex, star);
+    if (border != Border::none) {
+      const double value = border == Border::hull ? std::numeric_limits<double>::infinity() : nan_;
+      cell.volume = cell.surface = value;
+      cell.centroid = {nan_, nan_, nan_};
+      return cell;
+    }
+    const VoronoiPart<Long> quick = sum_of<Long>(vertex, star);
+    // A long double has 64 bits; a few dozen operations stand behind each part.
+    constexpr Long error = 32 * std::numeric_limits<Long>::epsilon(), accepted = 1e-15L;
+    if (quick.volume > 0 && error * quick.doubt <= accepted * quick.volume)
+      fill(cell, vertex, quick);
+    else
+      fill(cell, vertex, sum_of<Wide>(vertex, star));
+    return cell;
+  }
+
+ private:
+  enum class Border : std::uint8_t { none, hull, unknown };
+  static constexpr double nan_ = std::numeric_limits<double>::quiet_NaN();
+
+  std::int32_t vertex_at(std::uint32_t cell, std::size_t k) const { return mesh_.cells[cell * corners_ + k]; }
+
+  std::uint32_t count_neighbours(std::size_t vertex, std::span<const std::uint32_t> star) {
+    near_.clear();
+    for (const std::uint32_t cell : star)
+      for (std::size_t k = 0; k < corners_; ++k)
+        if (static_cast<std::size_t>(vertex_at(cell, k)) != vertex) near_.push_back(vertex_at(cell, k));
+    std::sort(near_.begin(), near_.end());
+    return static_cast<std::uint32_t>(std::unique(near_.begin(), near_.end()) - near_.begin());
+  }
+
+  // Whether a facet with the vertex is on the hull, or leads to a cell that is not known here.
+  Border border_of(std::size_t vertex, std::span<const std::uint32_t> star) const {
+    Border border = Border::none;
+    for (const std::uint32_t cell : star) {
+      for (std::size_t k = 0; k < corners_; ++k) {
+        if (static_cast<std::size_t>(vertex_at(cell, k)) == vertex) continue;
+        const std::int32_t beyond = mesh_.neighbors[cell * corners_ + k];
+        if (beyond < -1) return Border::unknown;
+        if (beyond == -1) border = Border::hull;
+      }
+    }
+    return border;
+  }
+
+  // The other corners in the order of their ids, but for the last two, which give the orientation. So a part has the
+  // same bits wherever the cell is stored.
+  std::array<std::int32_t, 3> others_of(std::size_t vertex, std::uint32_t cell) const {
+    std::array<std::int32_t, 3> others{};
+    std::size_t own = 0, count = 0;
+    for (std::size_t k = 0; k < corners_; ++k) {
+      if (static_cast<std::size_t>(vertex_at(cell, k)) == vertex)
+        own = k;
+      else
+        others[count++] = vertex_at(cell, k);
+    }
+    bool odd = own % 2 == 1;  // moving the vertex to the front swaps it with each corner before it
+    const auto id = [&](std::int32_t v) { return mesh_.ids[static_cast<std::size_t>(v)]; };
+    for (std::size_t i = 0; i + 1 < count; ++i) {
+      for (std::size_t j = count - 1; j > i; --j) {
+        if (!(id(others[j]) < id(others[j - 1]))) continue;
+        std::swap(others[j], others[j - 1]);
+        odd = !odd;
+      }
+    }
+    if (odd) std::swap(others[count - 1], others[count - 2]);
+    return others;
+  }
+
+  template <class Number>
+  VoronoiPart<Number> sum_of(std::size_t vertex, std::span<const std::uint32_t> star) const {
+    std::vector<VoronoiPart<Number>> parts;
+    for (const std::uint32_t cell : star) {
+      const auto others = others_of(vertex, cell);
+      std::array<Vec<Number>, 3> edges;
+      for (std::size_t k = 0; k + 1 < corners_; ++k) {
+        edges[k] = query::relative<Number>(mesh_.points[static_cast<std::size_t>(others[k])], mesh_.points[vertex]);
+        if (corners_ == 3) edges[k].z = 0;
+      }
+      parts.push_back(voronoi_part<Number>(std::span<const Vec<Number>>(edges).first(corners_ - 1)));
+    }
+    // From the least value to the greatest, so that the order of the cells does not matter.
+    std::sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+      if (a.volume != b.volume) return a.volume < b.volume;
+      if (a.surface != b.surface) return a.surface < b.surface;
+      if (a.moment.x != b.moment.x) return a.moment.x < b.moment.x;
+      if (a.moment.y != b.moment.y) return a.moment.y < b.moment.y;
+      return a.moment.z < b.moment.z;
+    });
+    VoronoiPart<Number> sum;
+    for (const auto& part : parts) sum.add(part);
+    return sum;
+  }
+
+  template <class Number>
+  void fill(VoronoiCell& cell, std::size_t vertex, const VoronoiPart<Number>& sum) const {
+    const Point& at = mesh_.points[vertex];
+    cell.volume = static_cast<double>(query::rounded(sum.volume));
+    cell.surface = static_cast<double>(query::rounded(sum.surface));
+    const Number place[3] = {sum.moment.x, sum.moment.y, sum.moment.z};
+    for (int axis = 0; axis < mesh_.dimension; ++axis)
+      cell.centroid[static_cast<std::size_t>(axis)] =
+          static_cast<double>(query::rounded(Number(Number(at[axis]) + place[axis] / sum.volume)));
+  }
+
+  const TileMesh& mesh_;
+  const std::size_t corners_;
+  const Stars stars_;
+  std::vector<std::int32_t> near_;
+};
+
+class Voronoi final : public TileMeasure {
+ public:
+  Voronoi(const TileSource& source, std::stop_token stop) : source_(source), stop_(std::move(stop)) {}
+
+  std::vector<ResultColumn> columns() const override {
+    const Manifest& manifest = source_.manifest();
+    const int d = manifest.dimension;
+    const auto column = [](const char* name, AttributeType type, std::string unit) {
+      return ResultColumn{.name = name,
+                          .of_cells = false,
+                          .type = type,
+                          .unit = std::move(unit),
+                          .command = {},
+                          .software_version = {}};
+    };
+    std::vector<ResultColumn> made{
+        column(d == 2 ? "voronoi_area" : "voronoi_volume", AttributeType::f64, unit_of(manifest, d)),
+        column(d == 2 ? "voronoi_boundary" : "voronoi_surface", AttributeType::f64, unit_of(manifest, d - 1)),
+        column("voronoi_neighbours", AttributeType::u32, "")};
+    for (const char* axis : {"voronoi_x", "voronoi_y", "voronoi_z"})
+      if (made.size() < static_cast<std::size_t>(d) + 3)
+        made.push_back(column(axis, AttributeType::f64, unit_of(manifest, 1)));
+    return made;
+  }
+
+  Result<PassValues> of(std::size_t index, const StoredTile& tile) override {
+    const TileMesh& mesh = tile.mesh;
+    BOOST_OUTCOME_TRYV(for_each_cell(source_, index, mesh, stop_,
+                                     [](std::size_t, std::span<const std::int32_t>, const ScaledInteger&) {}));
+    const std::size_t vertices = mesh.points.size();
+    std::vector<double> volumes(vertices), surfaces(vertices);
+    std::vector<std::uint32_t> neighbours(vertices);
+    std::array<std::vector<double>, 3> centroids;
+    for (int axis = 0; axis < mesh.dimension; ++axis) centroids[static_cast<std::size_t>(axis)].resize(vertices);
+    VoronoiCells cells(mesh);
+    for (std::size_t v = 0; v < vertices; ++v) {
+      if (mesh.point_ghost[v] != 0) continue;
+      if (v % 256 == 0 && stop_.stop_requested()) return error(Errc::interrupted, "interrupted while measuring");
+      const VoronoiCell cell = cells.of(v);
+      volumes[v] = cell.volume;
+      surfaces[v] = cell.surface;
+      neighbours[v] = cell.neighbours;
+      for (int axis = 0; axis < mesh.dimension; ++axis)
+        centroids[static_cast<std::size_t>(axis)][v] = cell.centroid[static_cast<std::size_t>(axis)];
+    }
+    PassValues bytes{as_bytes(volumes), as_bytes(surfaces), as_bytes(neighbours)};
+    for (int axis = 0; axis < mesh.dimension; ++axis)
+      bytes.push_back(as_bytes(centroids[static_cast<std::size_t>(axis)]));
+    return bytes;
+  }
+
+  void finish(std::vector<ResultColumn>& /*columns*/) const override {}
+  std::uint64_t infinite() const override { return 0; }  // cells on the hull are unbounded, and not too large
+
+ private:
+  const TileSource& source_;
+  std::stop_token stop_;
+};
+
+}  // namespace
+
+std::unique_ptr<TileMeasure> measure_voronoi(const TileSource& source, std::stop_token stop) {
+  return std::make_unique<Voronoi>(source, std::move(stop));
+}
+
+}  // namespace tessera
