@@ -9,12 +9,17 @@
 #include <vector>
 
 #include "src/input/bytes/fields.h"
+#include "src/input/las_copy/integer_encoder.h"
+#include "src/input/las_copy/las_copy.h"
+#include "src/input/laz/laz_layout.h"
 #include "tests/input/las_file.h"
-#include "tests/input/laz_encoder.h"
 #include "tests/input/laz_testing.h"
 
 namespace tessera::testing_io {
 namespace {
+
+using laz::ArithmeticEncoder;
+using laz::IntegerEncoder;
 
 constexpr std::size_t record_bytes = 36;  // format 3 and two extra bytes
 
@@ -47,8 +52,8 @@ class Version1Encoder {
     const auto dx = static_cast<std::int32_t>(load<std::uint32_t>(r) - load<std::uint32_t>(l));
     const auto dy = static_cast<std::int32_t>(load<std::uint32_t>(r + 4) - load<std::uint32_t>(l + 4));
     x_.next(encoder_, median(dx_), dx);
-    y_.next(encoder_, median(dy_), dy, std::min(x_.length, 19u));
-    const std::uint32_t length = (x_.length + y_.length) / 2;
+    y_.next(encoder_, median(dy_), dy, std::min(x_.length(), 19u));
+    const std::uint32_t length = (x_.length() + y_.length()) / 2;
     z_.next(encoder_, load<std::int32_t>(l + 8), load<std::int32_t>(r + 8), std::min(length, 19u));
     dx_[turn_ % 3] = dx;
     dy_[turn_++ % 3] = dy;
@@ -191,6 +196,22 @@ TEST(LazVersion1, GivesBackWhatWasEncoded) {
   }
 }
 
+TEST(LazVersion1, IsCopiedAsVersion2) {
+  const Bytes records = some_records(1000, 3);
+  Bytes bytes = with_count(version_1_file(1, 0), 1000);
+  append(bytes, encode(records.data(), 1000));
+  const TempFolder folder;
+  const auto copied = copy_las(memory_source("a.laz", bytes), folder.path() / "b.laz", {}, {});
+  ASSERT_EQ(sentence(copied), "");
+  const auto read = read_records(folder.path() / "b.laz", all_fields);
+  ASSERT_EQ(sentence(read), "");
+  EXPECT_EQ(read.value().bytes, records);
+  const auto layout = laz::read_laz_layout("b.laz", read.value().header.laszip, 3, record_bytes);
+  ASSERT_EQ(sentence(layout), "");
+  EXPECT_EQ(layout.value().compressor, laz::Compressor::pointwise_chunked);
+  for (const auto& item : layout.value().items) EXPECT_EQ(item.version, 2);
+}
+
 TEST(LazVersion1, MayAlsoBeARecordThatSaysThatNothingIsCompressed) {
   const auto file = version_1_file(0, 0, 5);
   const auto plain = read_records(memory_source("a.las", file.bytes()), all_fields);
@@ -198,6 +219,9 @@ TEST(LazVersion1, MayAlsoBeARecordThatSaysThatNothingIsCompressed) {
   ASSERT_EQ(sentence(read), "");
   EXPECT_EQ(read.value().size(), 5u);
   EXPECT_EQ(read.value().bytes, plain.value().bytes);
+  const TempFolder folder;
+  ASSERT_EQ(sentence(copy_las(memory_source("a.laz", with_count(file, 5)), folder.path() / "b.laz", {}, {})), "");
+  EXPECT_EQ(read_records(folder.path() / "b.laz", all_fields).value().bytes, plain.value().bytes);
   EXPECT_EQ(sentence(read_records(memory_source("a.laz", with_count(file, 6)), all_fields)),
             "a.laz, record 5: the file ends before or within this record, but its header promises 6 records");
 }

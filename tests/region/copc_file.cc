@@ -6,14 +6,15 @@
 #include <unordered_set>
 #include <utility>
 
-#include "src/input/laz/prediction.h"
+#include "src/input/las_copy/chunk_encoder.h"
+#include "src/input/las_copy/integer_encoder.h"
+#include "src/input/las_copy/laz_body.h"
 #include "tests/input/las_file.h"
-#include "tests/input/laz_encoder.h"
 
 namespace tessera::testing_region {
 
-using testing_io::ArithmeticEncoder;
-using testing_io::IntegerEncoder;
+using laz::ArithmeticEncoder;
+using laz::IntegerEncoder;
 using testing_io::LasFile;
 using testing_io::push;
 using testing_io::put;
@@ -21,7 +22,7 @@ using testing_io::put;
 namespace {
 
 using Record = std::array<std::int32_t, 3>;
-constexpr std::size_t record_bytes = 30, layers = 9;
+constexpr std::uint16_t record_bytes = 30;
 constexpr int level_max = 20;
 
 struct Node {
@@ -98,49 +99,20 @@ class Octree {
   Cube cube_;
 };
 
-// A chunk: the first record as it is, then the layer of x and y, that of z, and all others empty.
-Bytes chunk_of(const std::vector<Record>& points) {
-  ArithmeticEncoder xy, z;
-  laz::SymbolModel<128> changes;
-  IntegerEncoder<32, 2> x_differences;
-  IntegerEncoder<32, 22> y_differences;
-  IntegerEncoder<32, 20> heights;
-  laz::RunningMedian dx, dy;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const Record &last = points[i - 1], &p = points[i];
-    xy.symbol(changes, 0);
-    x_differences.next(xy, dx.value(), p[0] - last[0], 1);
-    dx.add(p[0] - last[0]);
-    const std::uint32_t x_length = x_differences.length;
-    y_differences.next(xy, dy.value(), p[1] - last[1], laz::length_context(x_length, 20, true));
-    dy.add(p[1] - last[1]);
-    heights.next(z, last[2], p[2], laz::length_context((x_length + y_differences.length) / 2, 18, true));
-  }
-  const Bytes first_layer = xy.finish(), second_layer = z.finish();
-  Bytes chunk(record_bytes);
-  for (std::size_t axis = 0; axis < 3; ++axis) put(chunk, 4 * axis, points[0][axis]);
-  put<std::uint8_t>(chunk, 14, 0x11);  // the only return
-  put<std::uint8_t>(chunk, 16, 2);     // ground
-  push(chunk, static_cast<std::uint32_t>(points.size()));
-  push(chunk, static_cast<std::uint32_t>(first_layer.size()));
-  push(chunk, static_cast<std::uint32_t>(second_layer.size()));
-  for (std::size_t layer = 2; layer < layers; ++layer) push(chunk, std::uint32_t{0});
-  chunk.insert(chunk.end(), first_layer.begin(), first_layer.end());
-  chunk.insert(chunk.end(), second_layer.begin(), second_layer.end());
-  return chunk;
-}
+laz::LazLayout layout() { return laz::standard_layout(6, record_bytes, UINT32_MAX); }
 
-Bytes laszip_record() {
-  Bytes record(34);
-  put<std::uint16_t>(record, 0, 3);  // layered, in chunks of any size
-  put<std::uint32_t>(record, 12, UINT32_MAX);
-  put<std::int64_t>(record, 16, -1);
-  put<std::int64_t>(record, 24, -1);
-  put<std::uint16_t>(record, 32, 1);
-  push<std::uint16_t>(record, 10);  // an item: points of format 6, version 3
-  push<std::uint16_t>(record, record_bytes);
-  push<std::uint16_t>(record, 3);
-  return record;
+// A chunk of ground points, each the only return of its pulse.
+Bytes chunk_of(const std::vector<Record>& points) {
+  Bytes records(points.size() * record_bytes);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t at = i * record_bytes;
+    for (std::size_t axis = 0; axis < 3; ++axis) put(records, at + 4 * axis, points[i][axis]);
+    put<std::uint8_t>(records, at + 14, 0x11);
+    put<std::uint8_t>(records, at + 16, 2);
+  }
+  const auto encoder = laz::make_chunk_encoder(layout(), record_bytes);
+  encoder->encode(records);
+  return encoder->finish();
 }
 
 }  // namespace
@@ -155,7 +127,7 @@ Bytes CopcFile::bytes() const {
   head.format = 6;
   head.scale = scale;
   head.offset = offset;
-  head.records = {{"copc", 1, Bytes(160)}, {"laszip encoded", 22204, laszip_record()}};
+  head.records = {{"copc", 1, Bytes(160)}, {"laszip encoded", 22204, laz::laszip_payload(layout(), {})}};
   Bytes file = head.bytes();
   const std::size_t info_at = head.header_bytes() + 54, table_pointer_at = file.size();
   push(file, std::int64_t{0});

@@ -33,6 +33,7 @@ Command add_export(CLI::App& root);
 Command add_region(CLI::App& root);
 Command add_query(CLI::App& root);
 Command add_dem(CLI::App& root);
+Command add_hag(CLI::App& root);
 Command add_surface(CLI::App& root);
 Command add_tileset(CLI::App& root);
 Command add_track(CLI::App& root);

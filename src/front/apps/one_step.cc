@@ -44,6 +44,27 @@ Result<bool> is_result(const std::vector<std::string>& sources) {
 
 // Runs `work` with the options, engine, cloud, folder and progress of a job. If `work` fails, removes the folder.
 template <class Work>
+Status run_in(JobOptions job, const std::vector<std::string>& sources, const fs::path& out, const OutputOptions& output,
+              const Work& work) {
+  job.store = StoreAs::points;
+  job.resumable = false;
+  job.log = log_debug;
+  const Interrupt interrupt;
+  Progress progress;
+  BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(out, false, false));
+  ProgressDisplay display(progress, progress_style(output), output.json ? stdout : stderr);
+  const auto open = [&](JobOptions& options, const std::stop_token& stop) {
+    return open_cloud(sources, options, stop);
+  };
+  Engine engine(job.threads, job.memory_bytes);
+  Status worked = work(engine, job, open, folder, progress, interrupt.token());
+  display.stop();
+  if (!worked) folder.abandon();
+  return worked;
+}
+
+// The same, with the options of the command.
+template <class Work>
 Status work_in(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output,
                std::uint64_t beside_bytes, const Work& work) {
   JobOptions job;
@@ -51,22 +72,8 @@ Status work_in(Settings& settings, const OneStep& what, const fs::path& out, con
   if (what.dimension != 0) job.cloud.dimension = what.dimension;
   if (what.carry_all && !settings.text("attributes")) job.cloud.attributes = {"all"};
   job.memory_bytes -= beside_bytes;
-  job.store = StoreAs::points;
-  job.resumable = false;
   job.command = what.command_line;
-  job.log = log_debug;
-  const Interrupt interrupt;
-  Progress progress;
-  BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(out, false, false));
-  ProgressDisplay display(progress, progress_style(output), output.json ? stdout : stderr);
-  const auto open = [&](JobOptions& options, const std::stop_token& stop) {
-    return open_cloud(what.sources, options, stop);
-  };
-  Engine engine(job.threads, job.memory_bytes);
-  Status worked = work(engine, job, open, folder, progress, interrupt.token());
-  display.stop();
-  if (!worked) folder.abandon();
-  return worked;
+  return run_in(std::move(job), what.sources, out, output, work);
 }
 
 Status make_result(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output) {
@@ -101,6 +108,16 @@ Result<TemporaryFolder> folder_beside(const OneStep& what) {
 }
 
 }  // namespace
+
+Status make_result_of(JobOptions job, const std::vector<std::string>& sources, const fs::path& out,
+                      const OutputOptions& output) {
+  return run_in(std::move(job), sources, out, output,
+                [](Engine& engine, const JobOptions& options, const OpenCloud& open, ResultFolder& folder,
+                   Progress& progress, const std::stop_token& stop) -> Status {
+                  BOOST_OUTCOME_TRYV(run_job(engine, options, open, folder, progress, stop));
+                  return success();
+                });
+}
 
 std::shared_ptr<std::vector<std::string>> add_sources(Command& command, int dimension) {
   add_value(command, kept, "FOLDER", "for point files: keep the result that is made of them first, in this folder", 0,

@@ -2,6 +2,7 @@
 // made of each tile when the tile is finished, or of a temporary result that is kept as points.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -28,6 +29,10 @@ struct OneStep {
 // --keep-result names a folder in which it stays. Errors: usage, those of a job, those of `use`.
 Status on_result(Settings& settings, const OneStep& what, const OutputOptions& output,
                  const std::function<Status(const std::string& folder)>& use);
+
+// Makes the result of point files in the folder `out`, kept as points. Errors: those of a job; then nothing is left.
+Status make_result_of(JobOptions job, const std::vector<std::string>& sources, const std::filesystem::path& out,
+                      const OutputOptions& output);
 
 // A product that is made of each tile when the tile is finished, without a result.
 struct TileProduct {

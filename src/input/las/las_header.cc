@@ -206,6 +206,10 @@ Status read_axes(const std::byte* h, LasHeader& header) {
 
 }  // namespace
 
+std::uint16_t standard_record_bytes(int point_format) {
+  return record_bytes_of_format[static_cast<std::size_t>(point_format)];
+}
+
 Result<LasHeader> read_las_header(const ByteSource& source) {
   const auto bad = [&](const std::string& what) {
     return error(Errc::bad_input, source.path().string() + ": " + what);

@@ -42,6 +42,9 @@ struct LasHeader {
   std::vector<std::byte> copc;    // the payload of the COPC info record; empty if there is none
 };
 
+// The bytes of a record of a point format from 0 to 10 without extra bytes.
+std::uint16_t standard_record_bytes(int point_format);
+
 // Error bad_input for what is not LAS, an unknown version or point format, and sizes and offsets that contradict each
 // other or the file. The number of points is not yet compared with the file's size.
 Result<LasHeader> read_las_header(const ByteSource& source);

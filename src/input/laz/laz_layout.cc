@@ -80,4 +80,14 @@ Result<LazLayout> read_laz_layout(const std::string& path, std::span<const std::
   return layout;
 }
 
+LazLayout standard_layout(int point_format, std::uint16_t record_bytes, std::uint32_t chunk_points) {
+  const bool layered = point_format >= 6;
+  LazLayout layout{.compressor = layered ? Compressor::layered_chunked : Compressor::pointwise_chunked,
+                   .chunk_points = chunk_points,
+                   .items = {}};
+  for (const auto& item : items_of(point_format, record_bytes))
+    layout.items.push_back({item.type, item.bytes, static_cast<std::uint16_t>(layered ? 3 : 2)});
+  return layout;
+}
+
 }  // namespace tessera::laz

@@ -47,4 +47,8 @@ struct LazLayout {
 Result<LazLayout> read_laz_layout(const std::string& path, std::span<const std::byte> record, int point_format,
                                   std::uint16_t record_bytes);
 
+// The layout that writers use for records of `record_bytes` bytes in `point_format`: chunked, items of version 2 or 3.
+// REQUIRES: a point format without waveforms; record_bytes is at least that of the format.
+LazLayout standard_layout(int point_format, std::uint16_t record_bytes, std::uint32_t chunk_points);
+
 }  // namespace tessera::laz
