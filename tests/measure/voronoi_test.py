@@ -37,7 +37,7 @@ class Voronoi(CliTest):
                 with self.subTest(dimension=d, cloud=name):
                     diagram = scipy.spatial.Voronoi((points - origin) / width)
                     hull = set(scipy.spatial.ConvexHull(points - origin).vertices.tolist())
-                    degree = np.bincount(diagram.ridge_points.ravel(), minlength=len(points))
+                    degree = np.diff(scipy.spatial.Delaunay((points - origin) / width).vertex_neighbor_vertices[0])
                     for vertex, (volume, surface, neighbours, *centroid) in self.measured(points, "--tiles", "4").items():
                         region = diagram.regions[diagram.point_region[vertex]]
                         self.assertEqual(neighbours, degree[vertex])

@@ -77,11 +77,11 @@ Status run(NewVersion& next, Measures& measures, std::vector<ResultColumn>& colu
   const fs::path out = next.source().folder();
   std::vector<PassColumn> passed;
   for (const auto& column : columns) passed.push_back({column.of_cells, {column.name, column.type}});
-  // A tile as a mesh, the cells around its vertices, and values.
+  // A tile as a mesh, perhaps twice, the cells around its vertices, and values.
   Pass pass(next.source(), passed, next.scratch(),
             {.threads = options.threads,
              .memory_bytes = options.memory_bytes,
-             .tile_factor = 2.25,
+             .tile_factor = options.voronoi ? 3.5 : 2.25,
              .stop = stop,
              .progress = options.progress});
   BOOST_OUTCOME_TRYV(next.check_room(columns, pass.scratch_bytes(), known_free_bytes(out)));

@@ -7,6 +7,7 @@
 
 #include "src/result/measure/values.h"
 #include "src/result/measure/voronoi_part.h"
+#include "src/result/verify/match_facets.h"
 
 namespace tessera {
 namespace {
@@ -169,7 +170,17 @@ class Voronoi final : public TileMeasure {
   }
 
   Result<PassValues> of(std::size_t index, const StoredTile& tile) override {
-    const TileMesh& mesh = tile.mesh;
+    if (!tile.mesh.neighbors.empty()) return of_mesh(index, tile.mesh);
+    TileMesh matched = tile.mesh;  // a result without stored neighbours
+    BOOST_OUTCOME_TRYV(match_facets(matched, source_.file(index)));
+    return of_mesh(index, matched);
+  }
+
+  void finish(std::vector<ResultColumn>& /*columns*/) const override {}
+  std::uint64_t infinite() const override { return 0; }  // cells on the hull are unbounded, and not too large
+
+ private:
+  Result<PassValues> of_mesh(std::size_t index, const TileMesh& mesh) const {
     BOOST_OUTCOME_TRYV(for_each_cell(source_, index, mesh, stop_,
                                      [](std::size_t, std::span<const std::int32_t>, const ScaledInteger&) {}));
     const std::size_t vertices = mesh.points.size();
@@ -194,10 +205,6 @@ class Voronoi final : public TileMeasure {
     return bytes;
   }
 
-  void finish(std::vector<ResultColumn>& /*columns*/) const override {}
-  std::uint64_t infinite() const override { return 0; }  // cells on the hull are unbounded, and not too large
-
- private:
   const TileSource& source_;
   std::stop_token stop_;
 };
