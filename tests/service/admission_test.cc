@@ -51,6 +51,7 @@ TEST_F(Admit, LimitsHoldForAllAndForACaller) {
 
 TEST_F(Admit, AJobThatCannotBeWrittenIsNotAccepted) {
   std::filesystem::remove_all(folder.path() / "jobs");
+  std::ofstream(folder.path() / "jobs") << "a file in the way";
   EXPECT_FALSE(accept("a", alice, "once"));
   EXPECT_TRUE(table->jobs.empty());
   EXPECT_TRUE(table->active.empty());
