@@ -152,7 +152,7 @@ TEST_P(DamagedPoints, AreCorruptWithAHeadThatCannotBe) {
   expect([](Forged& f) { f.head.named[0].as.name = "kind"; }, "head: has impossible columns");
   expect([](Forged& f) { f.head.named[0].as.name = ""; }, "head: has impossible columns");
   expect([](Forged& f) { f.head.named[0].as.name = "a\n"; }, "head: has impossible columns");
-  expect([](Forged& f) { f.head.named[0].as.type = static_cast<AttributeType>(10); }, "head: has columns that");
+  expect([](Forged& f) { f.head.named[0].as.type = static_cast<AttributeType>(10); }, "head: has impossible columns");
   expect([](Forged& f) { f.head.named[3].as.name = "tile"; }, "head: has impossible columns");
   expect([](Forged& f) { f.head.named[3].of_cells = false; },
          "head: has a number of blocks that does not fit its rows");
