@@ -80,6 +80,23 @@ class TheScript(unittest.TestCase):
         self.assertRegex(done.stdout, "skipped tests: 4 .*\n$")
         self.assertEqual(done.returncode, 1)
 
+    def test_leaves_the_long_tests_to_the_night(self):
+        (self.folder / "tests").mkdir()
+        (self.folder / "tests" / "nightly_tests.txt").write_text("# why\n^one$\n^Two/\n")
+        self.assertRegex(self.run_it("test")[1], r"ctest .* -E \^one\$\|\^Two/\n$")
+        self.assertRegex(self.run_it("nightly")[1], r"ctest .* -R \^one\$\|\^Two/\n")
+
+    def test_knows_each_long_test(self):
+        """A pattern that matches nothing would be forgotten."""
+        patterns = [line for line in (SOURCE / "tests" / "nightly_tests.txt").read_text().splitlines() if not line.startswith("#")]
+        self.assertGreater(len(patterns), 10)
+        listed = subprocess.run(["ctest", "--test-dir", pathlib.Path(os.environ["LINKS"]).parent, "-N"], text=True, capture_output=True,
+                                check=True).stdout
+        names = re.findall(r"^ *Test *#\d+: (\S+)$", listed, re.MULTILINE)
+        for pattern in patterns:
+            self.assertTrue(any(re.search(pattern, name) for name in names), pattern)
+        self.assertGreater(sum(not any(re.search(p, name) for p in patterns) for name in names), len(names) * .95)
+
     def test_tells_of_every_word_that_it_knows(self):
         known = re.findall(r"^  ([a-z]+)\) ", (SOURCE / "tessera.sh").read_text(), re.MULTILINE)
         told = re.findall(r"^\./tessera\.sh (\w+)", self.run_it("help")[0].stdout, re.MULTILINE)
