@@ -23,7 +23,7 @@ class Certs(CliTest):
         for node in ("alpha", "10.0.0.7"):
             self.assertIn(f"{self.certs}/{node}.pem, {self.certs}/{node}.key: the node {node}, valid until ", said)
             self.assertTrue(self.verified(node))
-        self.assertIn(f"copy {self.certs}/ca.pem and the two files of a node", said)
+        self.assertIn(f"copy {self.certs}/ca.pem and the two files of each node", said)
         self.assertIn(f"{self.certs}/ca.key stays", said)
         self.assertEqual(self.files(self.certs),
                          ["10.0.0.7.key", "10.0.0.7.pem", "alpha.key", "alpha.pem", "ca.key", "ca.pem"])

@@ -87,8 +87,10 @@ class Quality(CliTest):
                 with self.subTest(dimension=d, cloud=name):
                     for values, corners in list(self.measured(points[:400], "--tiles", "3").values())[::3]:
                         right = shape(corners)
+                        # Cells of numbers from 1e-30 to 1e30 are flatter than any others.
+                        rtol = 1e-4 if name == "mixed" else 1e-9
                         for k, atol in enumerate((0, 1e-9, 1e-9, 0)):  # angles in degrees
-                            np.testing.assert_allclose(values[k], right[k], rtol=1e-9, atol=atol, err_msg=str(corners))
+                            np.testing.assert_allclose(values[k], right[k], rtol=rtol, atol=atol, err_msg=str(corners))
 
     def test_bits_are_the_same_for_all_tiles_and_threads(self):
         for d in 2, 3:

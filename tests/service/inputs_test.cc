@@ -156,7 +156,8 @@ TEST_F(Inputs, NoLightComesFromWhereThereIsNoAngle) {
     return problem.detail();
   };
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  for (const double none : {nan, inf, -inf}) EXPECT_EQ(detail(none, 45).find("azimuth: must be a finite number of degrees"), 0u);
+  for (const double none : {nan, inf, -inf})
+    EXPECT_EQ(detail(none, 45).find("azimuth: must be a finite number of degrees"), 0u);
   for (const double none : {nan, inf, 0.0, 91.0}) EXPECT_EQ(detail(315, none).find("altitude: must be above 0"), 0u);
 }
 
