@@ -45,7 +45,7 @@ struct PassOptions {
 class Pass {
  public:
   // `scratch` is an empty folder.
-  Pass(TileSource source, std::vector<PassColumn> columns, std::filesystem::path scratch, PassOptions options)
+  Pass(const TileSource& source, std::vector<PassColumn> columns, std::filesystem::path scratch, PassOptions options)
       : source_(source.stopped_by(options.stop)),
         columns_(std::move(columns)),
         scratch_(std::move(scratch)),

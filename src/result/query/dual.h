@@ -47,7 +47,7 @@ Vec<Number> relative(const Point& p, const Point& origin) {
 }
 template <class Number>
 bool usable(const Number& divisor) {
-  return divisor != 0 && divisor - divisor == 0;
+  return divisor != 0 && divisor - divisor == 0;  // NOLINT(misc-redundant-expression): not for infinities and NaN
 }
 inline long double rounded(Long number) { return number; }
 inline long double rounded(const Wide& number) { return number.convert_to<long double>(); }
