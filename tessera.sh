@@ -55,7 +55,9 @@ sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'be
 # CAF's and Asio's templates alone give thousands of findings: what includes them is left out.
 tidy() {
   local files
-  files=$(sources | grep -v -E '^(tests|bench)/' | changed_since "${1:-}" | xargs -r grep -L -E 'caf/|boost/asio|actors/' || true)
+  [[ -z ${1:-} ]] || git rev-parse --quiet --verify "$1^{commit}" > /dev/null || { echo "tidy: there is no revision $1" >&2; return 2; }
+  # grep says with status 1 that it has found nothing.
+  files=$(sources | grep -v -E '^(tests|bench)/' | changed_since "${1:-}" | xargs -r grep -L -E 'caf/|boost/asio|actors/') || (($? == 1 || $? == 123))
   [[ -n $files ]] || { echo "clang-tidy: no source has changed"; return; }
   deploy/install-deps.sh build test clang
   build all
@@ -68,7 +70,9 @@ tidy() {
 # Of the files in its input, those that have changed since a revision; all without one.
 changed_since() {
   [[ -n $1 ]] || { cat; return; }
-  grep -F -x -f <(git diff --name-only --diff-filter=d "$1") || true
+  local changed
+  changed=$(git diff --name-only --diff-filter=d "$1")
+  grep -F -x -f <(printf '%s\n' "$changed") || (($? == 1))
 }
 
 # A regular expression for the names of the tests that take too long for every change.

@@ -91,6 +91,17 @@ class Hag(CliTest):
             unpacked = Las(self.folder / "twice" / name.name)
             np.testing.assert_array_equal(unpacked.records, again.records)
 
+    def test_points_of_copc_keep_their_heights(self):
+        """Its points are sorted by level of detail: each must get its own height."""
+        cloud = CLOUDS / "lion_takanawa_part.copc.laz"
+        self.ok("triangulate", cloud, "-o", "top", "--dim", "2", "--quiet")
+        vertices = json.loads(self.ok("info", "top", "--json"))["vertices"]
+        self.ok("hag", cloud, "-o", "out", "--ground", "top", "--format", "las", "--quiet")
+        found = Las(self.folder / "out" / "lion_takanawa_part.copc.las").records[:, -4:].copy().view("<f4").ravel()
+        # Each vertex is on the surface, and so may be a point of the same x and y.
+        self.assertGreaterEqual((np.abs(found) < 1e-6).sum(), vertices)
+        self.assertLess((np.abs(found) < 1e-6).mean(), .9)
+
     def test_what_reads_attributes_reads_the_heights(self):
         name = CLOUDS / "pdal_mvk_thin.las"
         self.ok("hag", name, "-o", "out", "--outside", "0", "--format", "laz", "--quiet")

@@ -229,14 +229,21 @@ TEST(Measure, ANameThatIsTakenIsTold) {
 
 TEST(Measure, ACellThatIsTurnedIsDamage) {
   const TemporaryFolder folder;
-  auto meshes = sample_tiles(sample_points(Shape::uniform, 3, 60), 3, 1);
-  std::swap(meshes[0].cells[4], meshes[0].cells[5]);
-  store_sample(folder.path() / "out", meshes);
-  const auto done = measure(folder.path() / "out", {.volume = true}, {});
-  ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().code, Errc::corrupt);
-  EXPECT_NE(done.error().where.find("000000.vtu: cell 1 is not positively oriented"), std::string::npos)
-      << done.error().where;
+  for (const int dimension : {2, 3}) {
+    auto meshes = sample_tiles(sample_points(Shape::uniform, dimension, 60), dimension, 1);
+    const auto second = static_cast<std::size_t>(dimension) + 1;
+    std::swap(meshes[0].cells[second], meshes[0].cells[second + 1]);
+    const fs::path out = folder.path() / std::to_string(dimension);
+    store_sample(out, meshes);
+    for (const MeasureOptions& options :
+         {MeasureOptions{.volume = true}, MeasureOptions{.quality = true}, MeasureOptions{.voronoi = true}}) {
+      const auto done = measure(out, options, {});
+      ASSERT_FALSE(done);
+      EXPECT_EQ(done.error().code, Errc::corrupt);
+      EXPECT_NE(done.error().where.find("000000.vtu: cell 1 is not positively oriented"), std::string::npos)
+          << done.error().where;
+    }
+  }
 }
 
 TEST(Measure, EndsWhenItIsStoppedAndLeavesTheOldVersion) {

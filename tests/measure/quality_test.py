@@ -88,7 +88,7 @@ class Quality(CliTest):
                     for values, corners in list(self.measured(points[:400], "--tiles", "3").values())[::3]:
                         right = shape(corners)
                         # Cells of numbers from 1e-30 to 1e30 are flatter than any others.
-                        rtol = 1e-2 if name == "mixed" else 1e-9
+                        rtol = 1e-6 if name == "mixed" else 1e-9
                         for k, atol in enumerate((0, 1e-9, 1e-9, 0)):  # angles in degrees
                             np.testing.assert_allclose(values[k], right[k], rtol=rtol, atol=atol, err_msg=str(corners))
 

@@ -63,37 +63,31 @@ Status run_in(JobOptions job, const std::vector<std::string>& sources, const fs:
   return worked;
 }
 
-// The same, with the options of the command.
-template <class Work>
-Status work_in(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output,
-               std::uint64_t beside_bytes, const Work& work) {
+Result<JobOptions> job_of(Settings& settings, const OneStep& what) {
   JobOptions job;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
   if (what.dimension != 0) job.cloud.dimension = what.dimension;
   if (what.carry_all && !settings.text("attributes")) job.cloud.attributes = {"all"};
-  job.memory_bytes -= beside_bytes;
   job.command = what.command_line;
-  return run_in(std::move(job), what.sources, out, output, work);
+  return job;
 }
 
 Status make_result(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output) {
-  return work_in(settings, what, out, output, 0,
-                 [](Engine& engine, const JobOptions& job, const OpenCloud& open, ResultFolder& folder,
-                    Progress& progress, const std::stop_token& stop) -> Status {
-                   BOOST_OUTCOME_TRYV(run_job(engine, job, open, folder, progress, stop));
-                   return success();
-                 });
+  BOOST_OUTCOME_TRY(job, job_of(settings, what));
+  return make_result_of(std::move(job), what.sources, out, output);
 }
 
 Status make_product(Settings& settings, const OneStep& what, const fs::path& scratch, const OutputOptions& output,
                     const TileProduct& product) {
-  return work_in(settings, what, scratch, output, product.memory_bytes,
-                 [&](Engine& engine, const JobOptions& job, const OpenCloud& open, ResultFolder& folder,
-                     Progress& progress, const std::stop_token& stop) -> Status {
-                   const auto make = [&](const Manifest& manifest) { return product.make(manifest, stop); };
-                   BOOST_OUTCOME_TRYV(run_tiles(engine, job, open, make, folder, progress, stop));
-                   return product.finish();
-                 });
+  BOOST_OUTCOME_TRY(own, job_of(settings, what));
+  own.memory_bytes -= product.memory_bytes;
+  return run_in(std::move(own), what.sources, scratch, output,
+                [&](Engine& engine, const JobOptions& job, const OpenCloud& open, ResultFolder& folder,
+                    Progress& progress, const std::stop_token& stop) -> Status {
+                  const auto make = [&](const Manifest& manifest) { return product.make(manifest, stop); };
+                  BOOST_OUTCOME_TRYV(run_tiles(engine, job, open, make, folder, progress, stop));
+                  return product.finish();
+                });
 }
 
 // Makes a temporary folder beside the product. Its name differs from the temporary name of the product itself.

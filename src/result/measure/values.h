@@ -21,6 +21,12 @@ std::vector<std::byte> as_bytes(const std::vector<Number>& numbers) {
   return {bytes.begin(), bytes.end()};
 }
 
+// The error of a cell that is damaged.
+inline Error not_oriented(const TileSource& source, std::size_t index, std::size_t cell) {
+  return error(Errc::corrupt,
+               source.file(index).string() + ": cell " + std::to_string(cell) + " is not positively oriented");
+}
+
 // Calls `take(cell, corners, exact)` for each cell of the tile, with its d + 1 vertices in the order of the file, and
 // d! times its volume. Errors: those of TileMeasure::of().
 template <class Take>
@@ -35,9 +41,7 @@ Status for_each_cell(const TileSource& source, std::size_t index, const TileMesh
     for (std::size_t k = 0; k < corners; ++k)
       at[k] = mesh.points[static_cast<std::size_t>(mesh.cells[cell * corners + k])];
     const ScaledInteger exact = volume_times_factorial(std::span(at).first(corners));
-    if (exact.value <= 0)
-      return error(Errc::corrupt,
-                   source.file(index).string() + ": cell " + std::to_string(cell) + " is not positively oriented");
+    if (exact.value <= 0) return not_oriented(source, index, cell);
     take(cell, std::span(mesh.cells).subspan(cell * corners, corners), exact);
   }
   return success();

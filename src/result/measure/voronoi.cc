@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "src/geometry/predicates/exact/predicates.h"
 #include "src/result/measure/values.h"
 #include "src/result/measure/voronoi_part.h"
 #include "src/result/verify/match_facets.h"
@@ -105,6 +106,7 @@ class VoronoiCells {
   template <class Number>
   VoronoiPart<Number> sum_of(std::size_t vertex, std::span<const std::uint32_t> star) const {
     std::vector<VoronoiPart<Number>> parts;
+    parts.reserve(star.size());
     for (const std::uint32_t cell : star) {
       const auto others = others_of(vertex, cell);
       std::array<Vec<Number>, 3> edges;
@@ -180,9 +182,22 @@ class Voronoi final : public TileMeasure {
   std::uint64_t infinite() const override { return 0; }  // cells on the hull are unbounded, and not too large
 
  private:
+  // Without this, a damaged cell would give wrong volumes.
+  Status check_cells(std::size_t index, const TileMesh& mesh) const {
+    const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
+    for (std::size_t cell = 0; cell < mesh.cell_ghost.size(); ++cell) {
+      const auto at = [&](std::size_t k) -> const Point& {
+        return mesh.points[static_cast<std::size_t>(mesh.cells[cell * corners + k])];
+      };
+      const int sign = corners == 3 ? exact::orientation_2_staged(at(0), at(1), at(2)).sign
+                                    : exact::orientation_3_staged(at(0), at(1), at(2), at(3)).sign;
+      if (sign <= 0) return not_oriented(source_, index, cell);
+    }
+    return success();
+  }
+
   Result<PassValues> of_mesh(std::size_t index, const TileMesh& mesh) const {
-    BOOST_OUTCOME_TRYV(for_each_cell(source_, index, mesh, stop_,
-                                     [](std::size_t, std::span<const std::int32_t>, const ScaledInteger&) {}));
+    BOOST_OUTCOME_TRYV(check_cells(index, mesh));
     const std::size_t vertices = mesh.points.size();
     std::vector<double> volumes(vertices), surfaces(vertices);
     std::vector<std::uint32_t> neighbours(vertices);
