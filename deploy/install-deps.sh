@@ -11,7 +11,7 @@ build=(
   libcaf-dev                                # actors
   libboost-dev                              # Outcome, Asio
   libprotobuf-dev protobuf-compiler
-  zlib1g-dev libzstd-dev libxxhash-dev  # result files, compressed input
+  zlib1g-dev libzstd-dev libxxhash-dev libexpat1-dev  # result files, compressed input, E57
   libmeshoptimizer-dev                      # surfaces for viewers
   libgdal-dev libproj-dev                   # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev

@@ -10,6 +10,7 @@
 #include "src/input/mesh/obj_reader.h"
 #include "src/input/mesh/off_reader.h"
 #include "src/input/mesh/stl_reader.h"
+#include "src/input/pcd/pcd_reader.h"
 
 namespace tessera {
 namespace {
@@ -21,19 +22,22 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-constexpr std::array<std::pair<std::string_view, FileFormat>, 14> endings{{{".las", FileFormat::las},
+constexpr std::array<std::pair<std::string_view, FileFormat>, 17> endings{{{".las", FileFormat::las},
                                                                            {".laz", FileFormat::las},
                                                                            {".ply", FileFormat::ply},
                                                                            {".off", FileFormat::off},
                                                                            {".obj", FileFormat::obj},
                                                                            {".stl", FileFormat::stl},
                                                                            {".npy", FileFormat::npy},
+                                                                           {".pcd", FileFormat::pcd},
+                                                                           {".e57", FileFormat::e57},
+                                                                           {".ptx", FileFormat::ptx},
                                                                            {".xyz", FileFormat::text},
                                                                            {".csv", FileFormat::text},
                                                                            {".tsv", FileFormat::text},
                                                                            {".txt", FileFormat::text},
                                                                            {".asc", FileFormat::text},
-                                                                           {".pts", FileFormat::text},
+                                                                           {".pts", FileFormat::pts},
                                                                            {".dat", FileFormat::text}}};
 
 FileFormat format_of_name(const std::filesystem::path& name) {
@@ -68,6 +72,8 @@ FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::pa
   // Zstandard: a frame, or a skippable frame, which parallel compressors write first.
   if (bytes.starts_with("\x28\xb5\x2f\xfd")) return FileFormat::zstd;
   if (bytes.size() >= 4 && (bytes[0] & 0xf0) == 0x50 && bytes.substr(1, 3) == "\x2a\x4d\x18") return FileFormat::zstd;
+  if (bytes.starts_with("ASTM-E57")) return FileFormat::e57;
+  if (looks_like_pcd(bytes)) return FileFormat::pcd;
   if (looks_like_off(bytes)) return FileFormat::off;
   if (looks_like_obj(bytes)) return FileFormat::obj;
   if (looks_like_text_stl(bytes) || (size && is_binary_stl(begin, size))) return FileFormat::stl;
@@ -89,12 +95,11 @@ std::filesystem::path without_packing(const std::filesystem::path& path) {
 std::string point_file_endings() { return listed_endings({}); }
 
 Error unknown_format(const std::filesystem::path& path) {
-  return error(
-      Errc::bad_input,
-      path.string() +
-          ": unknown format: its first bytes are not those of LAS, PLY, OFF, OBJ, STL, NumPy, gzip or Zstandard, and "
-          "its name does not end like that of a text (" +
-          listed_endings(FileFormat::text) + ")");
+  return error(Errc::bad_input,
+               path.string() +
+                   ": unknown format: its first bytes are not those of LAS, PLY, E57, PCD, OFF, OBJ, STL, NumPy, gzip "
+                   "or Zstandard, and its name does not end like that of a text (" +
+                   listed_endings(FileFormat::text) + ")");
 }
 
 }  // namespace tessera

@@ -5,13 +5,17 @@
 #include <utility>
 
 #include "src/input/bytes/byte_source.h"
+#include "src/input/e57/e57_reader.h"
 #include "src/input/format.h"
 #include "src/input/las/las_reader.h"
 #include "src/input/mesh/obj_reader.h"
 #include "src/input/mesh/off_reader.h"
 #include "src/input/mesh/stl_reader.h"
 #include "src/input/npy/npy_reader.h"
+#include "src/input/pcd/pcd_reader.h"
 #include "src/input/ply/ply_reader.h"
+#include "src/input/scans/pts_reader.h"
+#include "src/input/scans/ptx_reader.h"
 #include "src/input/text/text_reader.h"
 
 namespace tessera {
@@ -47,6 +51,14 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
       return open_obj(std::move(source), attributes);
     case FileFormat::stl:
       return open_stl(std::move(source), attributes);
+    case FileFormat::e57:
+      return open_e57(std::move(source), attributes);
+    case FileFormat::pcd:
+      return open_pcd(std::move(source), attributes);
+    case FileFormat::ptx:
+      return open_ptx(std::move(source), attributes);
+    case FileFormat::pts:
+      return open_pts(std::move(source), attributes, hints);
     case FileFormat::text:
       return open_text(std::move(source), attributes, hints);
     case FileFormat::gzip:

@@ -25,10 +25,10 @@ struct CoordinateColumns {
 // What a reader knows about a file after opening it.
 struct FileInfo {
   std::filesystem::path path;
-  std::string format;                        // "las", "laz", "ply", "off", "obj", "stl", "xyz", "npy"
-  std::string detail;                        // "LAS 1.4, point format 7", "binary little endian, float"
-  int dimension = 3;                         // 2 when the file has only x and y
-  bool degrees = false;                      // x and y are called longitude and latitude
+  std::string format;    // "las", "laz", "ply", "off", "obj", "stl", "e57", "pcd", "ptx", "pts", "xyz", "npy"
+  std::string detail;    // "LAS 1.4, point format 7", "binary little endian, float"
+  int dimension = 3;     // 2 when the file has only x and y
+  bool degrees = false;  // x and y are called longitude and latitude
   std::optional<std::uint64_t> points;       // the number of points that the reader gives, if the header tells it
   std::uint64_t points_passed_over = 0;      // the number of points that the reader skips because of its hints
   std::optional<Bounds> bounds;              // as the header says; they may be wrong

@@ -2,8 +2,8 @@
 """make_corpus.py DATA OUT: cuts the real point files in DATA down to a few points each, as seeds for the fuzz targets.
 
 LAS files keep their header and variable length records (payloads over 600 bytes are cut) and the first 3 points; texts
-their first 5 lines; PLY their header, with the counts made small, and 3 vertices. NumPy arrays, a PLY with lists, OFF, OBJ
-and STL, which DATA lacks, are made here. Only files whose licence lets us pass them on are taken.
+their first 5 lines; PLY their header, with the counts made small, and 3 vertices. NumPy arrays, a PLY with lists, OFF, OBJ,
+STL, PCD, PTX and PTS, which DATA lacks, are made here. Only files whose licence lets us pass them on are taken.
 """
 import gzip
 import pathlib
@@ -215,6 +215,14 @@ def main():
     write('off', 'all.off', b'STCNOFF 2 0 0\n1 2 3 0 0 1 255 128 0 64 .25 .75\n4 5 6 0 0 1 9 8 7 6 0 1\n')
     write('obj', 'scene.obj', b'# made\nmtllib a.mtl\no one\nv 0 0 0\nvt 1 1\nv 1 0 \\\n 0\nv 0 1.5e0 2 1\nf 1/1 2/1 \\\nv 3/1\n')
     write('obj', 'colours.obj', b'v 0 0 0 .25 .5 .75\nv 1 2 3\nv 4 5 6 1 0 0 1\n')
+    pcd = b'# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb _\nSIZE 4 4 4 4 1\nTYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA '
+    write('pcd', 'text.pcd', pcd + b'ascii\n0 0 0.5 4278387457 1\n1 -2.5 nan 1e-40 2\n')
+    write('pcd', 'binary.pcd', pcd + b'binary\n' + 2 * struct.pack('<fffIB', 1, 2, 3, 4, 5))
+    write('pcd', 'compressed.pcd', pcd + b'binary_compressed\n' + struct.pack('<II', 11, 34) +
+          bytes([3, 0, 0, 128, 63, 0xe0, 3, 3, 0xe0, 9, 7]))
+    scan = b'1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n'
+    write('ptx', 'scans.ptx', scan + b'1 2 3 0.5\n0 0 0 0.5\n' + scan + b'1 2 3 0.5\n4 5 6 .25\n')
+    write('pts', 'parts.pts', b'2\n1 2 3 -7 1 2 3\n4 5 6 9 255 0 1\n1\n7 8 9 0 0 0 0\n')
     write('stl', 'text.stl', b'solid a\n' + 2 * b'facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1.5 0\n'
           b'endloop\nendfacet\n' + b'endsolid a\n')
     write('stl', 'binary.stl', binary_stl())

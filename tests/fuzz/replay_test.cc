@@ -30,8 +30,9 @@ TEST(FuzzReplay, EveryKnownInputIsReadOrRefusedWithASentence) {
     SCOPED_TRACE(file);
     std::ifstream in(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    for (const char* name : {"stranger.las", "stranger.ply", "stranger.off", "stranger.obj", "stranger.stl",
-                             "stranger.npy", "stranger.xyz", "stranger.xyz.gz"})
+    for (const char* name :
+         {"stranger.las", "stranger.ply", "stranger.off", "stranger.obj", "stranger.stl", "stranger.e57",
+          "stranger.pcd", "stranger.ptx", "stranger.pts", "stranger.npy", "stranger.xyz", "stranger.xyz.gz"})
       read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), name);
     read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "stranger.laz", stranger_hints());
   }

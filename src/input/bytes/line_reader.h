@@ -25,6 +25,8 @@ class LineReader {
   std::uint64_t number() const { return number_; }
   // The offset in the source at which that line begins.
   std::uint64_t line_at() const { return line_at_; }
+  // The offset in the source of the first byte behind that line.
+  std::uint64_t next_at() const { return position_ - (end_ - begin_); }
   // Makes the first line the next line again.
   void rewind();
   const ByteSource& source() const { return *source_; }

@@ -35,16 +35,6 @@ std::optional<OffKind> kind_of(std::string_view keyword) {
   return keyword == "OFF" ? std::optional(kind) : std::nullopt;
 }
 
-// Reads the words of the next line that has some, without the comment at its end.
-Result<bool> next_words(LineReader& lines, std::vector<std::string_view>& words) {
-  do {
-    BOOST_OUTCOME_TRY(line, lines.next());
-    if (!line) return false;
-    split_line(line->substr(0, line->find('#')), Delimiter::blanks, SIZE_MAX, words);
-  } while (words.empty());
-  return true;
-}
-
 struct OffHeader {
   std::string keyword;
   OffKind kind;
@@ -73,7 +63,7 @@ Result<OffHeader> read_header(LineReader& lines) {
   const auto nothing = [&] {
     return error(Errc::bad_input, lines.source().path().string() + ": ends within the OFF header");
   };
-  BOOST_OUTCOME_TRY(first, next_words(lines, words));
+  BOOST_OUTCOME_TRY(first, next_words(lines, words, '#'));
   if (!first) return nothing();
   const auto kind = kind_of(words[0]);
   // Geomview's readers accept a file without the keyword. A file called .off that begins with numbers is read in the
@@ -91,7 +81,7 @@ Result<OffHeader> read_header(LineReader& lines) {
     if (words.size() > 1 && words[1] == "BINARY") return lines.bad_line("binary OFF is not read; save it as text");
     counts = counts.subspan(1);
     if (counts.empty()) {
-      BOOST_OUTCOME_TRY(second, next_words(lines, words));
+      BOOST_OUTCOME_TRY(second, next_words(lines, words, '#'));
       if (!second) return nothing();
       counts = words;
     }
@@ -115,7 +105,7 @@ class OffReader : public VertexTextReader {
       BOOST_OUTCOME_TRYV(check_end());
       return false;
     }
-    BOOST_OUTCOME_TRY(there, next_words(lines(), words_));
+    BOOST_OUTCOME_TRY(there, next_words(lines(), words_, '#'));
     if (!there)
       return lines().bad_line("the file ends after " + std::to_string(position_) + " of " + std::to_string(vertices_) +
                               " vertices");
@@ -131,7 +121,7 @@ class OffReader : public VertexTextReader {
   Status check_end() {
     if (checked_) return success();
     if (faces_ > 0) {
-      BOOST_OUTCOME_TRY(there, next_words(lines(), words_));
+      BOOST_OUTCOME_TRY(there, next_words(lines(), words_, '#'));
       if (!there)
         return lines().bad_line("the file ends before the first of " + std::to_string(faces_) +
                                 " faces; the last vertex may be cut off");
@@ -182,7 +172,7 @@ Result<std::unique_ptr<PointReader>> open_off(std::unique_ptr<ByteSource> source
     return lines.bad_line("promises " + std::to_string(header.vertices) + " vertices, more than the file can hold");
   const std::uint64_t lines_before = lines.number();
   std::vector<std::string_view> words;
-  BOOST_OUTCOME_TRY(there, next_words(lines, words));
+  BOOST_OUTCOME_TRY(there, next_words(lines, words, '#'));
   info.detail = header.keyword.empty() ? "OFF without its keyword, text" : header.keyword + ", text";
   info.points = header.vertices;
   info.attributes = attributes_of(header.kind, there ? words.size() : 0);

@@ -6,6 +6,7 @@
 #include "src/base/printable.h"
 #include "src/input/bytes/number.h"
 #include "src/input/bytes/record_stream.h"
+#include "src/input/text/text_columns.h"
 
 namespace tessera {
 
@@ -40,6 +41,16 @@ Status VertexTextReader::next(PointBatch& batch, std::size_t most) {
 
 std::string VertexTextReader::place(std::size_t index) const {
   return "line " + std::to_string(index < numbers_.size() ? numbers_[index] : lines_.number());
+}
+
+Result<bool> next_words(LineReader& lines, std::vector<std::string_view>& words, char comment) {
+  do {
+    BOOST_OUTCOME_TRY(line, lines.next());
+    if (!line) return false;
+    const auto text = comment == '\0' ? *line : line->substr(0, line->find(comment));
+    split_line(text, Delimiter::blanks, SIZE_MAX, words);
+  } while (words.empty());
+  return true;
 }
 
 std::vector<std::string> names_of_values(const std::vector<Attribute>& attributes) {

@@ -43,6 +43,10 @@ class VertexTextReader : public PointReader {
   std::vector<std::uint64_t> numbers_;  // the line of each point of the last batch
 };
 
+// Replaces `words` by the words of the next line that has some. The character `comment` begins a comment that ends with
+// the line. Returns false at the end of the file.
+Result<bool> next_words(LineReader& lines, std::vector<std::string_view>& words, char comment = '\0');
+
 // The names x, y, z and those of `attributes`.
 std::vector<std::string> names_of_values(const std::vector<Attribute>& attributes);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/input/bytes/fields.h"
+#include "src/input/column_names.h"
 #include "src/input/ply/ply_header.h"
 #include "src/input/ply/ply_vertices.h"
 
@@ -28,7 +29,7 @@ PlyColumns columns_of(const PlyElement& vertex) {
   AttributeNames names;
   for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
     const auto& property = vertex.properties[i];
-    if (property.count) continue;
+    if (property.count || property.name == unnamed_column) continue;
     const std::size_t axis = property.name.size() == 1 ? std::string_view("xyzXYZ").find(property.name) % 3 : 3;
     const bool named = property.name.size() == 1 && std::string_view("xyzXYZ").find(property.name) < 6;
     if (named && !columns.coordinates[axis])
@@ -89,24 +90,28 @@ class PlyReader : public PointReader {
 
 }  // namespace
 
-Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source,
-                                              const std::vector<Attribute>& attributes) {
-  BOOST_OUTCOME_TRY(header, read_ply_header(*source));
-  const auto& vertex = header.elements[header.vertex];
+Result<std::unique_ptr<PointReader>> read_vertices(FileInfo info, std::unique_ptr<PlyVertices> vertices,
+                                                   const PlyElement& vertex, const std::vector<Attribute>& attributes) {
   const PlyColumns columns = columns_of(vertex);
-  FileInfo info = info_of(*source, "ply");
   if (!columns.coordinates[0] || !columns.coordinates[1])
     return error(Errc::bad_input,
                  info.path.string() + ": the vertices have no property '" + (columns.coordinates[0] ? "y" : "x") + "'");
-  constexpr std::array<const char*, 3> formats{"ASCII", "binary little endian", "binary big endian"};
-  info.detail = formats[static_cast<std::size_t>(header.format)];
   const auto type = vertex.properties[*columns.coordinates[0]].type;
   info.detail += type == AttributeType::f32 ? ", float" : type == AttributeType::f64 ? ", double" : ", integers";
   info.dimension = columns.coordinates[2] ? 3 : 2;
   info.points = vertex.count;
   for (const auto& extra : columns.extras) info.attributes.push_back(extra.attribute);
-  BOOST_OUTCOME_TRY(vertices, open_ply_vertices(std::move(source), header));
   return std::unique_ptr<PointReader>(new PlyReader(std::move(info), std::move(vertices), columns, attributes));
+}
+
+Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source,
+                                              const std::vector<Attribute>& attributes) {
+  BOOST_OUTCOME_TRY(header, read_ply_header(*source));
+  FileInfo info = info_of(*source, "ply");
+  constexpr std::array<const char*, 3> formats{"ASCII", "binary little endian", "binary big endian"};
+  info.detail = formats[static_cast<std::size_t>(header.format)];
+  BOOST_OUTCOME_TRY(vertices, open_ply_vertices(std::move(source), header));
+  return read_vertices(std::move(info), std::move(vertices), header.elements[header.vertex], attributes);
 }
 
 }  // namespace tessera
