@@ -50,6 +50,12 @@ class Clip(VoronoiTest):
                     for (px, py), (qx, qy) in border:
                         self.assertTrue(px == qx in (a[0], b[0]) or py == qy in (a[1], b[1]))
 
+    def test_a_box_beyond_the_points_has_the_cells_that_reach_there(self):
+        said = self.write_cells(self.triangulate(clouds()["uniform"]), "--clip", "5,5,6,6")
+        self.assertEqual(said["area"], 1)
+        self.assertEqual(said["cells"] + said["outside"], 600)
+        self.assertEqual({row["unbounded"] for row in self.rows()}, {"1"})
+
     def shapes(self):
         turn = np.linspace(0, 2 * np.pi, 90, endpoint=False)
         star = np.stack([np.cos(turn), np.sin(turn)], 1) * (0.3 + 0.15 * (np.arange(90) % 2))[:, None] + 0.5

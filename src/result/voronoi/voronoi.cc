@@ -69,7 +69,7 @@ Result<CellCounts> make_records(const TileSource& source, const VoronoiOptions& 
   CellCounts counts;
   std::atomic<bool> failed{false};
   BOOST_OUTCOME_TRYV(
-      on_threads(tiles.threads(options.threads, options.memory_bytes, tile_factor, 0), failed, [&]() -> Status {
+      on_threads(tiles.threads(options.threads, options.memory_bytes / 4 * 3, tile_factor, 0), failed, [&]() -> Status {
         CellRecords::Adder adder(records);
         CellCounts own;
         while (!failed) {
