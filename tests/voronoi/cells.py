@@ -26,6 +26,9 @@ def clouds():
         "duplicates": np.repeat(rng.random((150, 2)), 3, axis=0),
         "far": np.concatenate([rng.random((200, 2)), [[1e9, 3], [-1e9, 7], [5, 1e9], [2, -1e9]]]),
         "thin": np.concatenate([rng.random((200, 2)) * [1000, 1e-6], [[0, 0], [1000, 1]]]),
+        # Four places of the Blue Mountains, almost on one circle: rounding puts a corner on a side of a cell.
+        "blue mountains": np.array([(150.58333, -33.7), (150.55, -33.7), (150.61213, -33.67847), (150.6, -33.75),
+                                    (150.6, -33.71667), (150.3, -34), (150.9, -34), (150.3, -33.4), (150.9, -33.4)]),
         "cocircular": np.array([[3, 4], [4, 3], [5, 0], [4, -3], [3, -4], [0, -5], [-3, -4], [-4, -3], [-5, 0], [-4, 3],
                                 [-3, 4], [0, 5]], float),
     }

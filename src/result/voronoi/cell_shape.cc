@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
+#include <cstring>
 
 #include "src/geometry/predicates/exact/predicates.h"
 
@@ -30,20 +30,14 @@ bool is_convex(const Ring& ring) {
   return turns == 2 && straight < n;
 }
 
-// One side of a ring.
-struct Side {
-  Point a, b;
-  std::uint32_t ring = 0, number = 0, sides = 0;  // its ring, its number there, and how many sides the ring has
-};
-
-bool on(const Point& p, const Side& side) {
+bool on(const Point& p, const RingSide& side) {
   return std::min(side.a.x, side.b.x) <= p.x && p.x <= std::max(side.a.x, side.b.x) &&
          std::min(side.a.y, side.b.y) <= p.y && p.y <= std::max(side.a.y, side.b.y);
 }
 
 // Whether two sides meet where sides of a valid part do not. Sides of one ring share only the corner between
 // successors; sides of two rings may touch in a point.
-bool clash(const Side& e, const Side& f) {
+bool clash(const RingSide& e, const RingSide& f) {
   const int fa = exact::orientation_2(e.a, e.b, f.a), fb = exact::orientation_2(e.a, e.b, f.b);
   const int ea = exact::orientation_2(f.a, f.b, e.a), eb = exact::orientation_2(f.a, f.b, e.b);
   if (fa * fb < 0 && ea * eb < 0) return true;
@@ -59,12 +53,6 @@ bool clash(const Side& e, const Side& f) {
   const bool touch =
       (fa == 0 && on(f.a, e)) || (fb == 0 && on(f.b, e)) || (ea == 0 && on(e.a, f)) || (eb == 0 && on(e.b, f));
   return touch && e.ring == f.ring && !e_first && !f_first;
-}
-
-bool runs_counterclockwise(const Ring& ring) {
-  const std::size_t n = ring.size();
-  const auto least = static_cast<std::size_t>(std::min_element(ring.begin(), ring.end(), before) - ring.begin());
-  return exact::orientation_2(ring[(least + n - 1) % n], ring[least], ring[(least + 1) % n]) > 0;
 }
 
 }  // namespace
@@ -89,6 +77,10 @@ ShapeMeasures measure(const CellShape& shape) {
   return {static_cast<double>(twice / 2), {place(x, origin.x), place(y, origin.y), 0}};
 }
 
+bool part_before(const std::vector<Ring>& a, const std::vector<Ring>& b) {
+  return before(a.front().front(), b.front().front());
+}
+
 void remove_repeated(Ring& ring) {
   ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());
   while (ring.size() > 1 && same(ring.front(), ring.back())) ring.pop_back();
@@ -98,23 +90,110 @@ void begin_with_least(Ring& ring) {
   std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), before), ring.end());
 }
 
-bool is_valid(std::span<const Ring> part) {
-  if (part.size() == 1 && is_convex(part[0])) return true;
-  std::vector<Side> sides;
+bool runs_counterclockwise(const Ring& ring) {
+  const std::size_t n = ring.size();
+  const auto least = static_cast<std::size_t>(std::min_element(ring.begin(), ring.end(), before) - ring.begin());
+  return exact::orientation_2(ring[(least + n - 1) % n], ring[least], ring[(least + 1) % n]) > 0;
+}
+
+std::optional<std::pair<RingSide, RingSide>> find_clash(std::span<const Ring> part) {
+  std::vector<RingSide> sides;
   for (std::uint32_t r = 0; r < part.size(); ++r) {
     const Ring& ring = part[r];
-    if (ring.size() < 3 || runs_counterclockwise(ring) != (r == 0)) return false;
     const auto n = static_cast<std::uint32_t>(ring.size());
     for (std::uint32_t i = 0; i < n; ++i) sides.push_back({ring[i], ring[(i + 1) % n], r, i, n});
   }
-  const auto low = [](const Side& side) { return std::min(side.a.x, side.b.x); };
-  std::sort(sides.begin(), sides.end(), [&](const Side& a, const Side& b) { return low(a) < low(b); });
+  const auto low = [](const RingSide& side) { return std::min(side.a.x, side.b.x); };
+  std::stable_sort(sides.begin(), sides.end(), [&](const RingSide& a, const RingSide& b) { return low(a) < low(b); });
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const double end = std::max(sides[i].a.x, sides[i].b.x);
     for (std::size_t j = i + 1; j < sides.size() && low(sides[j]) <= end; ++j)
-      if (clash(sides[i], sides[j])) return false;
+      if (clash(sides[i], sides[j])) return std::pair(sides[i], sides[j]);
   }
-  return true;
+  return std::nullopt;
+}
+
+bool is_valid(std::span<const Ring> part) {
+  if (part.size() == 1 && is_convex(part[0])) return true;
+  for (std::size_t r = 0; r < part.size(); ++r)
+    if (part[r].size() < 3 || runs_counterclockwise(part[r]) != (r == 0)) return false;
+  return !find_clash(part);
+}
+
+namespace {
+
+// Little endian, with the numbers of types of the OGC.
+class WkbWriter {
+ public:
+  void begin(std::uint32_t type, std::size_t count) {
+    put(std::uint8_t{1});
+    put(type);
+    put(static_cast<std::uint32_t>(count));
+  }
+  void corner(const Point& p) {
+    put(p.x);
+    put(p.y);
+  }
+  template <class Value>
+  void put(const Value& value) {
+    const auto bytes = std::as_bytes(std::span(&value, 1));
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+template <class Value>
+Value take_value(const std::byte*& at) {
+  Value value;
+  std::memcpy(&value, at, sizeof value);
+  at += sizeof value;
+  return value;
+}
+
+constexpr std::uint32_t polygon_type = 3, multipolygon_type = 6;
+
+}  // namespace
+
+std::vector<std::byte> to_wkb(const CellShape& shape, bool multi) {
+  WkbWriter wkb;
+  if (multi) {
+    wkb.begin(multipolygon_type, shape.parts.size());
+  } else if (shape.parts.empty()) {
+    wkb.begin(polygon_type, 0);
+  }
+  for (const auto& part : shape.parts) {
+    wkb.begin(polygon_type, part.size());
+    for (const Ring& ring : part) {
+      wkb.put(static_cast<std::uint32_t>(ring.size() + 1));
+      for (const Point& p : ring) wkb.corner(p);
+      wkb.corner(ring.front());
+    }
+  }
+  return wkb.take();
+}
+
+CellShape shape_of_wkb(std::span<const std::byte> wkb) {
+  CellShape shape;
+  const std::byte* at = wkb.data() + 1;
+  const bool multi = take_value<std::uint32_t>(at) == multipolygon_type;
+  const std::uint32_t parts = multi ? take_value<std::uint32_t>(at) : 1;
+  for (std::uint32_t p = 0; p < parts; ++p) {
+    if (multi) at += 1 + sizeof(std::uint32_t);
+    std::vector<Ring> part(take_value<std::uint32_t>(at));
+    for (Ring& ring : part) {
+      ring.resize(take_value<std::uint32_t>(at));
+      for (Point& corner : ring) {
+        corner.x = take_value<double>(at);
+        corner.y = take_value<double>(at);
+      }
+      ring.pop_back();
+    }
+    if (!part.empty()) shape.parts.push_back(std::move(part));
+  }
+  return shape;
 }
 
 }  // namespace tessera::voronoi

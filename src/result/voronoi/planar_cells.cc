@@ -21,48 +21,10 @@ namespace tessera::voronoi {
 
 namespace {
 
-// Little endian, with the numbers of types of the OGC.
-class Wkb {
- public:
-  std::span<const std::byte> make(const CellShape& shape, bool multi) {
-    bytes_.clear();
-    if (multi) {
-      begin(6, shape.parts.size());
-    } else if (shape.parts.empty()) {
-      begin(3, 0);
-    }
-    for (const auto& part : shape.parts) {
-      begin(3, part.size());
-      for (const Ring& ring : part) {
-        put(static_cast<std::uint32_t>(ring.size() + 1));
-        for (const Point& p : ring) corner(p);
-        corner(ring.front());
-      }
-    }
-    return bytes_;
-  }
-
- private:
-  void begin(std::uint32_t type, std::size_t count) {
-    put(std::uint8_t{1});
-    put(type);
-    put(static_cast<std::uint32_t>(count));
-  }
-  void corner(const Point& p) {
-    put(p.x);
-    put(p.y);
-  }
-  template <class Value>
-  void put(const Value& value) {
-    const auto bytes = std::as_bytes(std::span(&value, 1));
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-  }
-  std::vector<std::byte> bytes_;
-};
-
 class PlanarCells {
  public:
-  PlanarCells(const TileMesh& mesh, const ClipRegion* region) : mesh_(mesh), stars_(mesh) {
+  PlanarCells(const TileMesh& mesh, const ClipRegion* region, Repairs& repairs)
+      : mesh_(mesh), stars_(mesh), repairs_(repairs) {
     if (region != nullptr) clipper_ = std::make_unique<CellClipper>(*region);
   }
 
@@ -94,7 +56,8 @@ class PlanarCells {
     for (const std::int32_t v : star_.around) around_.push_back(flat(v));
     for (const std::uint32_t cell : star_.cells) corners_.push_back(centres_[cell]);
     if (!clip(vertex)) return Made::outside;
-    thin_ = std::erase_if(shape_.parts, [](const auto& part) { return !is_valid(part); }) > 0;
+    thin_ =
+        std::erase_if(shape_.parts, [&](const auto& part) { return !is_valid(part) && !repairs_.repair(part); }) > 0;
     if (shape_.parts.empty()) {
       constexpr double nan = std::numeric_limits<double>::quiet_NaN();
       head.size = star_.on_hull && !clipper_ ? std::numeric_limits<double>::infinity() : 0;
@@ -102,10 +65,7 @@ class PlanarCells {
       return Made::shapeless;
     }
     // So that the order of parts and the last bits of measures do not depend on the tile.
-    std::sort(shape_.parts.begin(), shape_.parts.end(), [](const auto& a, const auto& b) {
-      const Point &p = a.front().front(), &q = b.front().front();
-      return p.x != q.x ? p.x < q.x : p.y < q.y;
-    });
+    std::sort(shape_.parts.begin(), shape_.parts.end(), part_before);
     const ShapeMeasures measures = measure(shape_);
     head.size = measures.area;
     head.centroid[0] = measures.centroid.x;
@@ -146,6 +106,7 @@ class PlanarCells {
 
   const TileMesh& mesh_;
   const Stars stars_;
+  Repairs& repairs_;
   StarOrder order_;
   std::unique_ptr<CellClipper> clipper_;
   std::vector<Point> centres_;  // by cell
@@ -158,14 +119,13 @@ class PlanarCells {
 }  // namespace
 
 Result<CellCounts> add_planar_cells(const TileSource& source, std::size_t index, const ClipRegion* region, bool multi,
-                                    CellRecords::Adder& to, const std::stop_token& stop) {
+                                    Repairs& repairs, CellRecords::Adder& to, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = true}));
-  PlanarCells cells(tile.mesh, region);
+  PlanarCells cells(tile.mesh, region, repairs);
   BOOST_OUTCOME_TRY(damaged, cells.prepare(stop));
   if (damaged) return not_oriented(source, index, *damaged);
   const std::size_t row = row_bytes(tile.schema);
   CellCounts counts;
-  Wkb wkb;
   CellHead head;
   for (std::size_t v = 0; v < tile.mesh.points.size(); ++v) {
     if (tile.mesh.point_ghost[v] != 0) continue;
@@ -182,7 +142,7 @@ Result<CellCounts> add_planar_cells(const TileSource& source, std::size_t index,
     counts.thin += cells.thin() ? 1 : 0;
     counts.unbounded += head.unbounded;
     BOOST_OUTCOME_TRYV(
-        to.add({head, std::span<const std::byte>(tile.rows).subspan(v * row, row), wkb.make(cells.shape(), multi)}));
+        to.add({head, std::span<const std::byte>(tile.rows).subspan(v * row, row), to_wkb(cells.shape(), multi)}));
   }
   return counts;
 }

@@ -9,13 +9,15 @@
 #include "src/result/voronoi/cell_counts.h"
 #include "src/result/voronoi/cell_records.h"
 #include "src/result/voronoi/clip_region.h"
+#include "src/result/voronoi/repairs.h"
 
 namespace tessera::voronoi {
 
 // Adds the cells of a tile. Without a region cells are whole, and unbounded ones have no shape. The shape of a record
-// is a polygon as WKB, or with `multi` a multipolygon; without a shape it is an empty one. Errors: corrupt for a
+// is a polygon as WKB, or with `multi` a multipolygon; without a shape it is an empty one. Where rounding
+// has made a shape invalid, the record keeps it, and `repairs` gets what makes it valid. Errors: corrupt for a
 // damaged tile; io; interrupted.
 Result<CellCounts> add_planar_cells(const TileSource& source, std::size_t index, const ClipRegion* region, bool multi,
-                                    CellRecords::Adder& to, const std::stop_token& stop);
+                                    Repairs& repairs, CellRecords::Adder& to, const std::stop_token& stop);
 
 }  // namespace tessera::voronoi

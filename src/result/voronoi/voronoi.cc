@@ -1,5 +1,6 @@
 #include "src/result/voronoi/voronoi.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
@@ -18,6 +19,7 @@
 #include "src/result/voronoi/cell_file.h"
 #include "src/result/voronoi/planar_cells.h"
 #include "src/result/voronoi/read_clip.h"
+#include "src/result/voronoi/repairs.h"
 #include "src/result/voronoi/space_cells.h"
 #include "src/result/voronoi/vtu_cells.h"
 
@@ -102,12 +104,12 @@ Result<std::optional<Bounds>> space_box(const VoronoiOptions& options) {
 }
 
 Result<CellCounts> make_planar(const TileSource& source, const VoronoiOptions& options, CellRecords& records,
-                               const std::stop_token& stop) {
+                               voronoi::Repairs& repairs, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(region, region_of(source.stopped_by(stop), options, stop));
   return make_records(source, options, records, stop,
                       [&](const TileSource& from, std::size_t index, CellRecords::Adder& to) {
                         return voronoi::add_planar_cells(from, index, region ? &*region : nullptr,
-                                                         options.clip == VoronoiClip::file, to, stop);
+                                                         options.clip == VoronoiClip::file, repairs, to, stop);
                       });
 }
 
@@ -131,11 +133,41 @@ Status check_result(const fs::path& out, const Manifest& manifest, const Voronoi
   return success();
 }
 
+// Applies the repairs to a cell, and measures it again. `wkb` keeps its new shape.
+void repair(CellRecord& record, const voronoi::Repairs& repairs, bool multi, std::vector<std::byte>& wkb,
+            WrittenVoronoi& written) {
+  voronoi::CellShape shape = voronoi::shape_of_wkb(record.shape);
+  if (!repairs.apply(shape)) return;
+  bool thin = std::erase_if(shape.parts, [](const auto& part) { return !voronoi::is_valid(part); }) > 0;
+  const auto area = [](const auto& part) { return voronoi::measure({{part}}).area; };
+  if (!multi && shape.parts.size() > 1) {  // the file has polygons of one part
+    thin = true;
+    const auto most = std::max_element(shape.parts.begin(), shape.parts.end(),
+                                       [&](const auto& a, const auto& b) { return area(a) < area(b); });
+    shape.parts = {*most};
+  }
+  std::sort(shape.parts.begin(), shape.parts.end(), voronoi::part_before);
+  written.thin += thin || shape.parts.empty() ? 1 : 0;
+  written.shapeless += shape.parts.empty() ? 1 : 0;
+  const voronoi::ShapeMeasures measures =
+      shape.parts.empty() ? voronoi::ShapeMeasures{.area = 0, .centroid = {std::nan(""), std::nan(""), 0}}
+                          : voronoi::measure(shape);
+  record.head.size = measures.area;
+  record.head.centroid[0] = measures.centroid.x;
+  record.head.centroid[1] = measures.centroid.y;
+  wkb = voronoi::to_wkb(shape, multi);
+  record.shape = wkb;
+}
+
 // Writes all records by id. Returns the size of the file.
-Result<std::uint64_t> write_records(CellRecords& records, voronoi::CellFile& file, const VoronoiOptions& options,
-                                    WrittenVoronoi& written, const std::stop_token& stop) {
+Result<std::uint64_t> write_records(CellRecords& records, const voronoi::Repairs& repairs, voronoi::CellFile& file,
+                                    const VoronoiOptions& options, WrittenVoronoi& written,
+                                    const std::stop_token& stop) {
   long double sum = 0;
-  BOOST_OUTCOME_TRYV(records.for_each([&](const CellRecord& record) -> Status {
+  std::vector<std::byte> wkb;
+  BOOST_OUTCOME_TRYV(records.for_each([&](const CellRecord& made) -> Status {
+    CellRecord record = made;
+    if (!repairs.empty()) repair(record, repairs, options.clip == VoronoiClip::file, wkb, written);
     if (written.cells % 4096 == 0) {
       if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while writing cells");
       const double done = static_cast<double>(written.cells) / static_cast<double>(records.count());
@@ -161,8 +193,9 @@ Result<WrittenVoronoi> write_voronoi(const fs::path& out, const fs::path& target
   BOOST_OUTCOME_TRYV(flat ? voronoi::CellFile::check_ending(target) : voronoi::check_vtu_ending(target));
   BOOST_OUTCOME_TRY(records, CellRecords::create(exports::folder_of(target), row_bytes(manifest.schema),
                                                  options.memory_bytes / 4, stop));
-  BOOST_OUTCOME_TRY(
-      counts, flat ? make_planar(source, options, *records, stop) : make_spatial(source, options, *records, stop));
+  voronoi::Repairs repairs;
+  BOOST_OUTCOME_TRY(counts, flat ? make_planar(source, options, *records, repairs, stop)
+                                 : make_spatial(source, options, *records, stop));
   if (records->count() == 0)
     return error(Errc::usage, options.clip == VoronoiClip::box || options.clip == VoronoiClip::file
                                   ? option("clip") + ": no cell of the result meets it"
@@ -181,7 +214,8 @@ Result<WrittenVoronoi> write_voronoi(const fs::path& out, const fs::path& target
                          .thin = counts.thin,
                          .duplicates = manifest.duplicates,
                          .note = flat ? crs_note(manifest.crs) : std::string()};
-  BOOST_OUTCOME_TRY(bytes, write_records(*records, *file, options, written, stop));
+  repairs.finish();
+  BOOST_OUTCOME_TRY(bytes, write_records(*records, repairs, *file, options, written, stop));
   written.bytes = bytes;
   if (options.progress) options.progress(1);
   return written;
