@@ -46,6 +46,7 @@ class Collection {
     return bad(place, "is neither " + single_ + " nor Multi" + single_ + ", nor a collection of them");
   }
   std::vector<std::vector<Point>> take() { return std::move(found_); }
+  std::vector<std::size_t> take_firsts() { return std::move(firsts_); }
 
  private:
   static Error bad(const std::string& place, const std::string& reason) {
@@ -69,6 +70,7 @@ class Collection {
       return success();
     }
     if (!one.is_array()) return bad(place, "is no list of rings");
+    firsts_.push_back(found_.size());
     for (std::size_t r = 0; r < one.size(); ++r) {
       const std::string at = place + "[" + std::to_string(r) + "]";
       BOOST_OUTCOME_TRY(ring, positions(one[r], at, "is no ring"));
@@ -95,6 +97,7 @@ class Collection {
   bool polygons_;
   std::string single_;
   std::vector<std::vector<Point>> found_;
+  std::vector<std::size_t> firsts_;
 };
 
 // The name in the member `crs` of the specification of 2008, which GDAL and QGIS still write. Empty when there is no
@@ -143,7 +146,9 @@ Result<GeoJsonShapes> of_geojson(std::string_view text, const std::string& name,
   if (document.is_discarded()) return bad("is not JSON");
   Collection collection(kind);
   if (auto added = collection.add(document, ""); !added) return bad(added.error().where);
-  GeoJsonShapes found{.lists = collection.take(), .place = {.name = name, .crs = named_crs(document)}};
+  GeoJsonShapes found{.lists = collection.take(),
+                      .place = {.name = name, .crs = named_crs(document)},
+                      .firsts = collection.take_firsts()};
   if (found.lists.empty()) return bad(kind == GeoJson::polygons ? "has no polygon" : "has no line");
   for (const auto& list : found.lists)
     for (const Point& p : list) found.place.bounds.add(p);

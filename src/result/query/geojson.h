@@ -1,6 +1,7 @@
 // Reads shapes from GeoJSON files.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -28,6 +29,7 @@ struct GeoJsonFrame {
 struct GeoJsonShapes {
   std::vector<std::vector<Point>> lists;
   GeoJsonFrame place;
+  std::vector<std::size_t> firsts = {};  // of the polygons: the number of the first ring of each
 };
 
 // Reads the rings of all polygons of a file (a geometry, a feature, or a collection of them; Polygon and MultiPolygon),
