@@ -136,9 +136,13 @@ const char* refused_by_other(int reason) {
 
 }  // namespace
 
-void watch_handshake(SSL* ssl) {
-  if (SSL_get_fd(ssl) < 0) return;  // a connection of an HTTP server in this process
+bool watch_handshake(SSL* ssl) {
+  if (SSL_get_fd(ssl) < 0) return true;  // a connection of an HTTP server in this process
   if (SSL_get_verify_callback(ssl) != look) SSL_set_verify(ssl, SSL_get_verify_mode(ssl), look);
+  // CAF makes its contexts without a version, so the system's configuration would decide.
+  if (SSL_set_min_proto_version(ssl, TLS1_3_VERSION) == 1) return true;
+  troubles().add(refused(ssl) + "nodes speak TLS 1.3, which the configuration of OpenSSL on this machine forbids");
+  return false;
 }
 
 void note_failure(SSL* ssl) {
@@ -149,6 +153,8 @@ void note_failure(SSL* ssl) {
     troubles().add(peer_of(ssl) + " refuses the certificate of this node: " + why);
   } else if (reason == SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE) {
     troubles().add(refused(ssl) + "it has shown no certificate");
+  } else if (reason == SSL_R_UNSUPPORTED_PROTOCOL || reason == SSL_R_TLSV1_ALERT_PROTOCOL_VERSION) {
+    troubles().add(refused(ssl) + "it does not speak TLS 1.3");
   }
 }
 

@@ -109,6 +109,12 @@ Function* with_fresh_errors(const char* name) {
   return openssl<Function>(name);
 }
 
+// The answer of a call after which CAF closes the connection.
+int refused() {
+  ERR_raise(ERR_LIB_USER, ERR_R_PASSED_INVALID_ARGUMENT);
+  return -1;
+}
+
 }  // namespace
 
 #define TESSERA_OPENSSL extern "C" __attribute__((visibility("default")))
@@ -118,21 +124,20 @@ TESSERA_OPENSSL int SSL_read(SSL* ssl, void* to, int bytes) {
   if (read <= 0 || SSL_get_fd(ssl) < 0) return read;
   mute().remove(ssl);
   if (frames_of(ssl).take({static_cast<const unsigned char*>(to), static_cast<std::size_t>(read)})) return read;
-  ERR_raise(ERR_LIB_USER, ERR_R_PASSED_INVALID_ARGUMENT);  // CAF then closes the connection
-  return -1;
+  return refused();
 }
 TESSERA_OPENSSL int SSL_write(SSL* ssl, const void* from, int bytes) {
   return with_fresh_errors<int(SSL*, const void*, int)>("SSL_write")(ssl, from, bytes);
 }
 TESSERA_OPENSSL int SSL_accept(SSL* ssl) {
   mute().add(ssl);
-  tessera::watch_handshake(ssl);
+  if (!tessera::watch_handshake(ssl)) return refused();
   const int done = with_fresh_errors<int(SSL*)>("SSL_accept")(ssl);
   if (done <= 0) tessera::note_failure(ssl);
   return done;
 }
 TESSERA_OPENSSL int SSL_connect(SSL* ssl) {
-  tessera::watch_handshake(ssl);
+  if (!tessera::watch_handshake(ssl)) return refused();
   const int done = with_fresh_errors<int(SSL*)>("SSL_connect")(ssl);
   if (done <= 0) tessera::note_failure(ssl);
   return done;

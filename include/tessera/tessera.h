@@ -3,6 +3,7 @@
 
 #include "tessera/delaunay.h"
 #include "tessera/failure.h"
+#include "tessera/heights.h"
 #include "tessera/lines.h"
 #include "tessera/options.h"
 #include "tessera/questions.h"

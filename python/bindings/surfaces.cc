@@ -1,4 +1,4 @@
-// Binds rasters, contour lines and profiles of results, and regions of raw clouds.
+// Binds rasters, contour lines and profiles of results, regions of raw clouds, and heights above the ground.
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -8,6 +8,7 @@
 #include "python/bindings/bindings.h"
 #include "python/bindings/interruptible.h"
 #include "python/bindings/views.h"
+#include "tessera/heights.h"
 #include "tessera/lines.h"
 #include "tessera/raster.h"
 #include "tessera/region.h"
@@ -107,6 +108,15 @@ Triangulation region(const std::vector<std::string>& inputs, const std::vector<d
   return made;
 }
 
+// Returns a list of (input, output, points, outside).
+py::list heights(const std::vector<std::string>& inputs, const std::filesystem::path& folder, HeightsRequest request) {
+  const auto copies = run_interruptible(
+      [&](std::stop_token stop) { return write_heights(inputs, folder, request.stop(std::move(stop))); });
+  py::list list;
+  for (const auto& copy : copies) list.append(py::make_tuple(copy.input, copy.output, copy.points, copy.outside));
+  return list;
+}
+
 }  // namespace
 
 void bind_surfaces(py::module_& module) {
@@ -125,6 +135,17 @@ void bind_surfaces(py::module_& module) {
       .def("max_points", [](RegionRequest& self, std::uint64_t points) { self.max_points(points); })
       .def("max_seconds", [](RegionRequest& self, double seconds) { self.max_seconds(seconds); });
   module.def("triangulate_region", &region);
+  py::class_<HeightsRequest>(module, "HeightsRequest")
+      .def(py::init<>())
+      .def("ground", [](HeightsRequest& self, const std::filesystem::path& result) { self.ground(result); })
+      .def("ground_class", [](HeightsRequest& self, int number) { self.ground_class(number); })
+      .def("format", [](HeightsRequest& self, const std::string& name) { self.format(name); })
+      .def("outside", [](HeightsRequest& self, double height) { self.outside(height); })
+      .def("replace", [](HeightsRequest& self, bool replace) { self.replace(replace); })
+      .def("overwrite", [](HeightsRequest& self, bool overwrite) { self.overwrite(overwrite); })
+      .def("memory_bytes", [](HeightsRequest& self, std::uint64_t bytes) { self.memory_bytes(bytes); })
+      .def("threads", [](HeightsRequest& self, unsigned threads) { self.threads(threads); });
+  module.def("write_heights", &heights);
 }
 
 }  // namespace tessera::python

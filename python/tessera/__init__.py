@@ -16,6 +16,7 @@ from . import _tessera
 from ._delaunay import Delaunay
 from ._errors import (BadInputError, CorruptError, Error, InternalError, InterruptedJobError, IoError, MemoryLimitError,
                       NotDelaunayError, UsageError)
+from ._heights import HeightsFile, hag
 from ._interpolate import LinearNDInterpolator
 from ._progress import Progress
 from ._questions import Located, Part, Star, Weights
@@ -29,7 +30,7 @@ from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Contour", "Profile", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "region", "open", "info", "hag", "HeightsFile", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Contour", "Profile", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # help() and messages show these names as members of the package.
 for _public in __all__:

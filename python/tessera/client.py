@@ -11,11 +11,12 @@ import uuid
 import warnings
 
 from ._errors import CorruptError, Error, IoError, UsageError
+from ._heights import HeightsFile
 from ._http import Transport
 from ._job import Event, Job, quoted
 from ._options import Path
 from ._transfer import PATIENCE_S, File, download, upload
-from ._triangulation import Proof, Triangulation, open as open_folder
+from ._triangulation import Measures, Proof, Triangulation, open as open_folder
 
 # The options of triangulate() that have another name in the service.
 FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "spatial_index"}
@@ -86,13 +87,68 @@ class Client:
                 to = path / inside if into else path.with_suffix(inside.suffix)
                 to.parent.mkdir(parents=True, exist_ok=True)
                 download(self._http, file._replace(path=f"{files}/{file.path}"), to, patience)
-        try:
-            with self._http.open("DELETE", f"{files}/exports/{quoted(output)}"):
-                pass
-        except Error as stays:
-            warnings.warn(f"the daemon could not remove its copy of the export: {stays}", stacklevel=2)
+        self._remove(f"{files}/exports/{quoted(output)}")
         if found.get("note"):
             warnings.warn(found["note"], stacklevel=2)
+
+    def measure(self, name: str, volume: bool = False, quality: bool = False, voronoi: bool = False,
+                memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None) -> Measures:
+        """Lets the daemon compute columns of a result, as Triangulation.measure() does here.
+
+        They become a new version of the result. Only the owner of the result or an admin may do this.
+        """
+        options = {"volume": volume, "quality": quality, "voronoi": voronoi, "memory": memory}
+        job = self._execute("measure", {"triangulation": name, **_fields(options)})
+        job.wait(progress)
+        found = job.outcome()
+        try:
+            measures = Measures(float(found["total"] or 0), str(found["unit"]), bool(found["made"]))
+        except (KeyError, TypeError, ValueError):
+            raise self._http.no_tessera() from None
+        if found.get("note"):
+            warnings.warn(found["note"], stacklevel=2)
+        return measures
+
+    def hag(self, inputs: Path | typing.Iterable[Path], ground: str, folder: Path, *, format: str | None = None,
+            outside: float | None = None, replace: bool = False, overwrite: bool = False,
+            memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None,
+            patience: float = PATIENCE_S) -> list[HeightsFile]:
+        """Lets the daemon copy LAS and LAZ files with heights above the ground, and downloads the copies.
+
+        They do not stay at the daemon. `inputs` are files of the daemon, as for submit(); `ground` is the name of a 2D
+        result of the daemon. Other arguments are those of tessera.hag(). `progress` is called with each event of the
+        job. `patience` is how many seconds to wait for a daemon that does not answer any more.
+        """
+        out, output = pathlib.Path(folder), uuid.uuid4().hex
+        options = {"format": format, "outside": outside, "replace": replace, "memory": memory}
+        job = self._execute("hag", {"inputs": _names(inputs), "triangulation": ground, "output": output, **_fields(options)})
+        job.wait(progress)
+        found = job.outcome()
+        written = _written(found, self._http.url, output, None)
+        try:
+            made = [HeightsFile(pathlib.Path(each["input"]), out / pathlib.PurePosixPath(each["output"]).name,
+                                int(each["points"]), int(each["outside"])) for each in found["files"]]
+        except (KeyError, TypeError, ValueError):
+            raise self._http.no_tessera() from None
+        files = f"/triangulations/{quoted(ground)}/files"
+        try:
+            with _disk(out):
+                for _, inside in written:
+                    if (out / inside).exists() and not overwrite:
+                        raise UsageError(f"{out / inside}: exists already; overwrite=True replaces it")
+                for file, inside in written:
+                    (out / inside).parent.mkdir(parents=True, exist_ok=True)
+                    download(self._http, file._replace(path=f"{files}/{file.path}"), out / inside, patience)
+        finally:
+            self._remove(f"{files}/exports/{quoted(output)}")
+        return made
+
+    def _remove(self, path: str) -> None:
+        try:
+            with self._http.open("DELETE", path):
+                pass
+        except Error as stays:
+            warnings.warn(f"the daemon could not remove its copy of the export: {stays}", stacklevel=3)
 
     def info(self, source: Path | typing.Iterable[Path], dim: int | None = None, **options: typing.Any) -> dict[str, typing.Any]:
         """Returns what tessera.info() does, for files that the daemon can read, or for one of its results.

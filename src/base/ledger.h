@@ -6,6 +6,10 @@
 // kind of job has a bound on disk, and ends when told to, before its author thinks of either. Code that computes for
 // long without writing must ask go_on() or look at token().
 //
+// Frames are the scratch of a run. A stopped ledger refuses every write, but a stopped job still writes the frames with
+// which it can continue later. So frames are not drawn when they are written. A triangulation of the daemon measures
+// the folder of its run instead, and draws the growth with written_by_others() (src/service/processes/disk_watch.h).
+//
 // A Ledger may be used by any thread.
 #pragma once
 

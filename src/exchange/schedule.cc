@@ -126,7 +126,7 @@ void Schedule::note_mail(TileId id, const Waiting& waiting) {
 void Schedule::note_done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
   Tile& tile = tiles_.at(id);
   check_read(tile.working, "only granted work is done");
-  if (work == Work::sleep) freeing_ -= tile.memory;
+  if (std::exchange(tile.falling_asleep, false)) freeing_ -= tile.memory;
   tile.working = false;
   --working_;
   tile.mail = waiting;
@@ -182,14 +182,17 @@ void Schedule::abandon(TileId id) {
   Tile& tile = found->second;
   unlink(id);
   if (tile.working) --working_;
+  if (std::exchange(tile.falling_asleep, false)) freeing_ -= tile.memory;
   if (tile.residency == Residency::storing) {
     --storing_;
-    storing_bytes_ -= tile.storing;
+    storing_bytes_ -= std::exchange(tile.storing, 0);
   }
   if (tile.residency == Residency::fresh) --fresh_;
   if (tile.residency == Residency::asleep) --asleep_;
   tile.working = false;
   tile.residency = Residency::gone;
+  tile.mail = {};
+  set_memory(tile, 0);
 }
 
 bool Schedule::idle() const {
@@ -341,7 +344,8 @@ std::optional<Schedule::Permit> Schedule::permit(TileId t, Work work, std::uint6
   set_memory(tile, needed);
   tile.working = true;
   ++working_;
-  if (work == Work::sleep) freeing_ += tile.memory;
+  tile.falling_asleep = work == Work::sleep;
+  if (tile.falling_asleep) freeing_ += tile.memory;
   return Permit{t, work};
 }
 

@@ -119,6 +119,7 @@ class Schedule {
     std::uint64_t held = 0;  // beside mail, when it was last awake
     Residency residency = Residency::gone;
     bool working = false, is_stored = false, settled = false;
+    bool falling_asleep = false;  // while it works
   };
   using Ready = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // order of steps: the greatest is first
   using Rank = std::pair<std::uint64_t, TileId>;                   // bytes of mail, tile

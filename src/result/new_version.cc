@@ -55,10 +55,10 @@ bool is_tile_of_result(const fs::path& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out) {
+Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const LockOptions& options) {
   BOOST_OUTCOME_TRY(there, is_there(manifest_file(out)));
   if (!there) return no_manifest(out);
-  BOOST_OUTCOME_TRY(lock, FolderLock::take(out));
+  BOOST_OUTCOME_TRY(lock, FolderLock::take(out, options));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   if (source.manifest().format_version < unchanged_format)
     return error(Errc::usage, out.string() + ": is of format version " +

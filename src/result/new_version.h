@@ -38,7 +38,7 @@ class NewVersion {
   // Begins a change, and takes the folder's lock. Errors: those of TileSource::open(); usage when another process works
   // in the folder, or when the result has format 2; corrupt when the manifest of an older version, which a reader still
   // uses, is damaged; io.
-  static Result<std::unique_ptr<NewVersion>> begin(const std::filesystem::path& out);
+  static Result<std::unique_ptr<NewVersion>> begin(const std::filesystem::path& out, const LockOptions& lock = {});
   // Removes everything that was written, unless commit() was called.
   ~NewVersion();
   NewVersion(const NewVersion&) = delete;

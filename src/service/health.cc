@@ -35,7 +35,6 @@ ServiceFigures ServiceHealth::figures() const {
     if (job.is(job_state::running)) ++figures.running;
     if (!job.running) continue;
     const auto& progress = job.running->progress;
-    figures.memory_used_bytes += progress.memory_bytes;
     figures.bytes_between += progress.bytes_between;
     figures.credit_waits += progress.credit_waits;
     // In this order: updates that are sent between the two reads count as waiting, and the difference is never
@@ -43,6 +42,7 @@ ServiceFigures ServiceHealth::figures() const {
     const std::uint64_t processed = progress.updates_processed;
     figures.updates_waiting += std::max(processed, progress.updates_sent.load()) - processed;
   }
+  figures.memory_used_bytes = of_.jobs.memory_used();
   figures.memory_budget_bytes = of_.memory_bytes;
   figures.disk_free_bytes = free_bytes(of_.data);
   figures.phase_seconds = {of_.jobs.phase_seconds.begin(), of_.jobs.phase_seconds.end()};

@@ -56,9 +56,7 @@ NodeState Nodes::own_node() const {
   own.seconds = static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - began_).count());
   const std::lock_guard lock(jobs_.mutex);
-  for (const auto& id : jobs_.active) {
-    if (const auto& running = jobs_.jobs.at(id)->running) own.use.memory_bytes += running->progress.memory_bytes;
-  }
+  own.use.memory_bytes = jobs_.memory_used();
   return own;
 }
 

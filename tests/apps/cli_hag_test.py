@@ -1,4 +1,5 @@
 """tessera hag: heights above the ground, in copies of LAS and LAZ files that are otherwise as they were."""
+import gzip
 import json
 import pathlib
 import struct
@@ -36,6 +37,7 @@ class Las:
             if (user, record) == (b"LASF_Spec", 4):
                 for i in range(at + 54, at + 54 + size, 192):
                     self.extra.append((b[i + 4:i + 36].rstrip(b"\0").decode(), b[i + 2]))
+                    self.range = b[i + 3], *struct.unpack_from("<d16xd", b, i + 64)
             at += 54 + size
 
 
@@ -66,6 +68,7 @@ class Hag(CliTest):
         # Between four points on a circle there are two right answers.
         same = np.isclose(found, right, atol=2e-3) | (np.isnan(found) & np.isnan(right))
         self.assertGreater(same.mean(), .99)
+        self.assertEqual(Las(self.folder / "out" / name.name).range, (6, np.nanmin(found), np.nanmax(found)))
         ground = found[source.classes == 2]
         self.assertLess(np.nanmax(np.abs(ground)), 1e-3)
         self.assertEqual(list((self.folder / "out").iterdir()), [self.folder / "out" / name.name])
@@ -127,6 +130,10 @@ class Hag(CliTest):
         self.refused(USAGE, "hag", name, "-o", "third", "--ground", "solid", says="heights are measured above a 2D result")
         self.refused(USAGE, "hag", name, "-o", "third", "--ground", "solid", "--ground-class", "2", says="--ground gives the ground")
         self.assertFalse((self.folder / "third").exists() and list((self.folder / "third").iterdir()))
+
+    def test_what_gzip_has_compressed_is_refused(self):
+        (self.folder / "tile.las.gz").write_bytes(gzip.compress((CLOUDS / "pdal_mvk_thin.las").read_bytes()))
+        self.refused(BAD_INPUT, "hag", "tile.las.gz", "-o", "out", says="tile.las.gz: is compressed (gzip)")
 
     def test_files_of_one_name_are_not_mixed(self):
         for folder in "a", "b":

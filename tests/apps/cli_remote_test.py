@@ -1,5 +1,6 @@
-"""verify, export, info and upload with a daemon: what is sent, what arrives, and what is said when it does not."""
+"""verify, measure, export, hag, info and upload with a daemon: what is sent, what arrives, and what is said when it does not."""
 import os
+import pathlib
 import signal
 import subprocess
 import unittest
@@ -40,6 +41,88 @@ class Verify(ServerTest):
             422, {"detail": "triangulation: there is none called 'made-block'", "cause": USAGE})
         self.refused(USAGE, "verify", "made-block", says=["there is none called", "made-block is a folder here", "--server ''"])
         self.assertEqual(self.run_tessera("verify", "made-block", "--server", "").returncode, OK)
+
+
+class Measure(ServerTest):
+    def test_columns_are_told_as_here(self):
+        self.make_result()
+        here = self.local("measure", self.server.results["block"], "--volume", "--json")
+        (told,) = self.json_lines(here.stdout)
+        told["output"] = "block"
+
+        def work(job):
+            job.outcome = told
+            job.tell("successful", triangulation="block")
+        self.server.on_submit = work
+        said = self.ok("measure", "block/", "--volume", "--memory", "2G", "--threads", 3)
+        self.assertRegex(said, "^block: version 2 has the columns volume of cells, star_volume of vertices\nvolume of all cells: ")
+        self.assertEqual(self.server.jobs["j1"].inputs, {"triangulation": "block", "volume": True, "memory": "2G", "threads": 3})
+        self.assertEqual(self.json_lines(self.ok("measure", "block", "--volume", "--json"))[-1], told)
+        self.assertIn("'tessera watch j3' shows it", self.ok("measure", "block", "--volume", "--detach"))
+        self.refused(USAGE, "measure", "block", "--server", "", "--volume", "--detach", says="--detach")
+        for nonsense in {}, {"event": 7}, told | {"columns": [3]}, told | {"made": "yes"}:
+            job = self.server.jobs["j3"]
+            job.outcome = nonsense
+            self.assertIn("successful", self.ok("watch", "j3"))
+
+
+class Hag(ServerTest):
+    def setUp(self):
+        super().setUp()
+        self.cloud = pathlib.Path(__file__).resolve().parents[1] / "data" / "clouds" / "pdal_mvk_thin.las"
+        self.ground = self.folder / "made-ground"
+        done = self.local("triangulate", self.cloud, "-o", self.ground, "--dim", 2, "--class", 2)
+        self.assertEqual(done.returncode, OK, done.stderr)
+        self.server.results["ground"] = self.ground
+        self.server.on_submit = self.work
+
+    def work(self, job):
+        """What the daemon does: the local command writes it."""
+        output = job.inputs["output"]
+        to = self.ground / "exports" / output
+        more = ["--format", job.inputs["format"]] if "format" in job.inputs else []
+        done = self.local("hag", self.cloud, "--ground", self.ground, "-o", to, "--json", *more)
+        self.assertEqual(done.returncode, OK, done.stderr)
+        told = self.json_lines(done.stdout)[-1]
+        for file in told["files"]:
+            file["input"], file["output"] = "mvk.las", pathlib.Path(file["output"]).name
+        written = [{"path": f"exports/{output}/{path.name}", "bytes": path.stat().st_size, "xxh3": xxh3(path.read_bytes())}
+                   for path in sorted(to.iterdir())]
+        job.outcome = told | {"output": output, "written": written}
+        job.tell("successful", triangulation="ground")
+
+    def test_the_copies_arrive_and_are_gone_there(self):
+        said = self.ok("hag", "mvk.las", "-o", "out", "--ground", "ground/", "--outside", "-1", "--replace", "--memory", "2G")
+        self.assertIn("out: 6 280 points of 1 file have the dimension HeightAboveGround", said)
+        inputs = self.server.jobs["j1"].inputs
+        self.assertRegex(inputs.pop("output"), "^[0-9a-f]{32}$")
+        self.assertEqual(inputs, {"inputs": ["mvk.las"], "triangulation": "ground", "outside": -1, "replace": True, "memory": "2G"})
+        self.assertEqual(list((self.ground / "exports").iterdir()), [])
+        self.local("hag", self.cloud, "--ground", self.ground, "-o", "here")
+        self.assertEqual((self.folder / "out" / self.cloud.name).read_bytes(), (self.folder / "here" / self.cloud.name).read_bytes())
+        self.refused(USAGE, "hag", "mvk.las", "-o", "out", "--ground", "ground", says=["exists already; --overwrite", "fetches what"])
+        self.ok("hag", "mvk.las", "-o", "out", "--ground", "ground", "--overwrite")
+        self.assertEqual(self.json_lines(self.ok("hag", "mvk.las", "-o", "more", "--ground", "ground", "--json"))[-1]["points"], 6280)
+
+    def test_what_is_wrong_is_found_before_the_daemon_is_asked(self):
+        self.refused(USAGE, "hag", "mvk.las", "-o", "out", says="a daemon needs the ground as one of its results")
+        self.refused(USAGE, "hag", "-", "-o", "out", "--ground", "ground", says="standard input")
+        self.refused(USAGE, "hag", "mvk.las", "-o", "out", "--ground", "ground", "--ground-class", "2", says="--ground-class")
+        self.refused(USAGE, "hag", "mvk.las", "-o", "out", "--ground", "ground", "--format", "copc", says="copc")
+        self.assertEqual(self.server.requests, [])
+
+    def test_left_there_they_are_fetched_by_their_job(self):
+        self.assertIn("'tessera watch j1' shows it", self.ok("hag", "mvk.las", "-o", "out", "--ground", "ground", "--detach"))
+        self.assertEqual(self.server.jobs["j1"].inputs["output"], "out")
+        self.assertRegex(self.ok("watch", "j1"), "ground: 6 280 points of 1 file have")
+        self.ok("fetch", "j1", "-o", "here")
+        self.assertEqual((self.folder / "here" / self.cloud.name).read_bytes(),
+                         (self.ground / "exports" / "out" / self.cloud.name).read_bytes())
+        self.refused(USAGE, "fetch", "j1", "-o", "here", says="exists already")
+        for path in "exports/out/../../x.las", "exports/x.las", "exports/out/":
+            self.server.jobs["j1"].outcome["written"][0]["path"] = path
+            self.refused(CORRUPT, "fetch", "j1", "-o", "there", says="the server")
+        self.assertFalse((self.folder / "there").exists())
 
 
 class Export(ServerTest):

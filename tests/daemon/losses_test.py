@@ -85,6 +85,21 @@ class Cluster(ClusterTest):
         self.assertEqual(self.result(self.run_job("undisturbed")), self.digest)
         self.assertEqual(self.joined(), set("abcd"))
 
+    def test_nodes_speak_tls_1_3_and_nothing_older(self):
+        for version, spoken in (ssl.TLSVersion.TLSv1_2, None), (ssl.TLSVersion.TLSv1_3, "TLSv1.3"):
+            context = ssl.create_default_context()
+            context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+            context.load_cert_chain(self.folder / "certs/e.pem", self.folder / "certs/e.key")
+            context.minimum_version = context.maximum_version = version
+            for port in (self.port, self.nodes["b"].port):
+                with socket.create_connection(("127.0.0.1", port)) as plain:
+                    if spoken is None:
+                        with self.assertRaises(OSError):
+                            context.wrap_socket(plain)
+                        continue
+                    with context.wrap_socket(plain) as stranger:
+                        self.assertEqual(stranger.version(), spoken)
+
     def test_who_says_nothing_is_cut_off(self):
         context = ssl.create_default_context()
         context.check_hostname, context.verify_mode = False, ssl.CERT_NONE

@@ -245,6 +245,28 @@ TEST(Schedule, WhatIsGivenUpIsNotWaitedFor) {
   EXPECT_TRUE(schedule.idle());
 }
 
+TEST(Schedule, WhatIsGivenUpTakesNoMemory) {
+  Schedule schedule(options(2, 1000), {10, 10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0, begin 1");
+  schedule.note_done(TileId{0}, Work::begin, 100, {1, 5, 10});
+  EXPECT_GT(schedule.memory(), 0U);
+  schedule.abandon(TileId{1});  // while it works
+  schedule.abandon(TileId{0});  // with mail
+  EXPECT_EQ(schedule.memory(), 0U);
+  schedule.note_mail(TileId{0}, {1, 5, 10});
+  EXPECT_EQ(schedule.memory(), 0U);
+  schedule.abandon(TileId{2});
+  EXPECT_TRUE(schedule.idle());
+  Schedule suspended(options(1, 1000), {10});
+  EXPECT_EQ(granted(suspended), "begin 0");
+  suspended.note_done(TileId{0}, Work::begin, 100, {});
+  suspended.enter(Mode::suspending);
+  EXPECT_EQ(granted(suspended), "sleep 0");
+  suspended.abandon(TileId{0});  // while it falls asleep
+  EXPECT_EQ(suspended.memory(), 0U);
+  EXPECT_TRUE(suspended.idle());
+}
+
 TEST(Schedule, TilesThatComeLaterBeginBeforeAnybodySplays) {
   Schedule schedule(options(1, 1000), {0, 10, 0});
   EXPECT_EQ(granted(schedule), "begin 1");

@@ -352,6 +352,85 @@ TEST_F(CopyByHand, KeepsRecordsOnBothSidesOfThePoints) {
   }
 }
 
+TEST_F(CopyByHand, TellsTheLeastAndTheGreatestValueThatIsStored) {
+  for (const bool behind : {false, true}) {
+    auto file = some_file(4, 6, 1);
+    (behind ? file.extended : file.records) = {{"LASF_Spec", 4, descriptor(1, 0, "first")}};
+    const auto in = write(file);
+    for (const auto packing : {LasPacking::las, LasPacking::laz})
+      for (const auto& dimension : {height, height_64}) {
+        double least = HUGE_VAL, greatest = -HUGE_VAL;
+        for (std::uint64_t i = 0; i < file.points.size(); ++i) {
+          double value = value_of(i, 0);
+          if (dimension.type == AttributeType::f32) value = static_cast<double>(static_cast<float>(value));
+          if (value < least) least = value;
+          if (value > greatest) greatest = value;
+        }
+        ASSERT_EQ(sentence(make_copy(in, to(), {.packing = packing, .dimensions = {dimension}})), "");
+        const Parts parts = parts_of(file_bytes(to()));
+        const auto& records = behind ? parts.extended : parts.records;
+        const auto found = std::find_if(records.begin(), records.end(), [](const auto& r) { return r.extra_bytes(); });
+        ASSERT_NE(found, records.end());
+        ASSERT_EQ(found->payload.size(), 2u * 192);
+        EXPECT_EQ(found->payload[3], std::byte{0});
+        EXPECT_EQ(found->payload[192 + 3], std::byte{6});
+        EXPECT_EQ(load<double>(found->payload.data() + 192 + 64), least);
+        EXPECT_EQ(load<double>(found->payload.data() + 192 + 88), greatest);
+      }
+  }
+}
+
+TEST_F(CopyByHand, TellsNoRangeOfValuesThatAreNoNumbers) {
+  const auto in = write(some_file(2, 0, 0));
+  auto source = open_file(in);
+  const auto unknown = [](std::uint64_t, std::span<double> values) -> Status {
+    for (auto& value : values) value = std::numeric_limits<double>::quiet_NaN();
+    return success();
+  };
+  ASSERT_EQ(sentence(copy_las(std::move(source).value(), to(), {.dimensions = {height}}, unknown)), "");
+  const Parts parts = parts_of(file_bytes(to()));
+  ASSERT_EQ(parts.records.size(), 1u);
+  EXPECT_EQ(parts.records[0].payload[3], std::byte{0});
+}
+
+// The record of waveforms is in the list of extended records since LAS 1.4; in LAS 1.3 the header alone tells of it.
+TEST_F(CopyByHand, KeepsWaveforms) {
+  for (const int minor : {3, 4})
+    for (const std::uint8_t format : {4, 5, 9, 10}) {
+      if (minor == 3 && format > 5) continue;
+      auto file = some_file(minor, format, 2);
+      const Bytes waveforms(70'000, std::byte{7});
+      file.records = {{"LASF_Spec", 100, Bytes(26, std::byte{1})}};
+      file.extended = {{"LASF_Spec", 65535, waveforms}};
+      // Before the waveforms, a record that grows.
+      if (minor == 4) file.extended.insert(file.extended.begin(), {"LASF_Spec", 4, descriptor(1, 0, "first")});
+      auto bytes = file.bytes();
+      const std::size_t begin = bytes.size() - 60 - waveforms.size();
+      put<std::uint16_t>(bytes, 6, 2);
+      put<std::uint64_t>(bytes, 227, begin);
+      const auto in = folder().write("in.las", bytes);
+      ASSERT_EQ(sentence(make_copy(in, to(), {.dimensions = {height}})), "");
+      const Bytes out = file_bytes(to());
+      const auto now = load<std::uint64_t>(out.data() + 227);
+      ASSERT_EQ(now + 60 + waveforms.size(), out.size());
+      EXPECT_TRUE(std::equal(out.begin() + static_cast<std::ptrdiff_t>(now), out.end(),
+                             bytes.begin() + static_cast<std::ptrdiff_t>(begin)));
+      expect_values(to(), {{"HeightAboveGround", AttributeType::f32}});
+      const auto records = read_records(to(), all_fields), before = read_records(in, all_fields);
+      const std::size_t stride = file.record_bytes();
+      for (std::size_t i = 0; i < file.points.size(); ++i)
+        ASSERT_TRUE(std::equal(before.value().bytes.begin() + static_cast<std::ptrdiff_t>(i * stride),
+                               before.value().bytes.begin() + static_cast<std::ptrdiff_t>(i * stride + stride),
+                               records.value().bytes.begin() + static_cast<std::ptrdiff_t>(i * (stride + 4))));
+      const auto packed = make_copy(in, folder().path() / "packed.laz", {.packing = LasPacking::laz});
+      EXPECT_NE(sentence(packed).find("which hold waveforms; these are copied to LAS, and not compressed"),
+                std::string::npos);
+      put<std::uint64_t>(bytes, 227, begin - 100);
+      folder().write("in.las", bytes);
+      EXPECT_NE(sentence(make_copy(in, to())).find("but no record of waveforms begins there"), std::string::npos);
+    }
+}
+
 TEST_F(CopyByHand, DescribesBytesThatNothingDescribed) {
   for (const std::uint16_t extra : {1, 255, 256, 600}) {
     const auto in = write(some_file(2, 1, extra));
@@ -407,7 +486,6 @@ TEST_F(CopyByHand, SaysWhichDimensionsAndFilesCannotBeContinued) {
   file = some_file(2, 0, 65'515);
   EXPECT_EQ(refused(file),
             ", extra bytes: point records of 65539 bytes would be longer than LAS permits, which is 65535");
-  EXPECT_EQ(refused(some_file(3, 4, 0)), ": has points of format 4, which hold waveforms; these are not copied");
 }
 
 TEST_F(CopyByHand, HasNoDimensionWithoutANameOrWithALongOne) {

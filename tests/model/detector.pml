@@ -1,4 +1,4 @@
-// Quiescence without losses (docs/cluster.md): actors/share_actor.h, src/exchange/detector.h, and the credit window.
+// Quiescence without losses (docs/cluster-design.md): actors/share_actor.h, src/exchange/detector.h, and the credit window.
 // A tile a node. Batches look alike, so a channel that need not keep their order is a number.
 #define NODES 3
 #ifndef BATCHES  // updates sent at most, of all tiles together

@@ -1,4 +1,4 @@
-// Quiescence and the end of a job while nodes are lost (docs/cluster.md): tables, waves, counters, settled files, entries.
+// Quiescence and the end of a job while nodes are lost (docs/cluster-design.md): tables, waves, counters, settled files, entries.
 // A tile a node at first. Batches say nothing, and those of one pair of incarnations look alike: they are numbers.
 #define TILES 3
 #ifndef CRASHES

@@ -1,4 +1,4 @@
-// What tiles know and note of each other while nodes are lost (docs/cluster.md). One step is the work of one tile.
+// What tiles know and note of each other while nodes are lost (docs/cluster-design.md). One step is the work of one tile.
 //
 // Geometry is anything: a point that arrives becomes a vertex or is refused, and any vertices may be its neighbours.
 // Points, as tokens: TILES + EXTRA, token v of tile v, the others of the last tile. A slot is a point on its way.

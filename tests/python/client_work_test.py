@@ -1,4 +1,4 @@
-"""verify, export, info and upload of a daemon: what is sent, what comes back, and what is raised."""
+"""verify, measure, export, hag, info and upload of a daemon: what is sent, what comes back, and what is raised."""
 import os
 import pathlib
 import unittest
@@ -63,6 +63,44 @@ class Work(ClientTest):
         self.end({"written": [{"path": "exports/../../x", "bytes": 1, "xxh3": "0"}]})
         with self.assertRaises(tessera.CorruptError):
             self.client.export("block", self.folder / "mesh.off")
+
+    def test_measures_are_the_same_object(self):
+        self.end({"event": "measured", "total": 2.5, "unit": "metre^3", "made": True, "note": "so it is"})
+        with self.assertWarnsRegex(UserWarning, "so it is"):
+            measures = self.client.measure("block", volume=True, memory="2G")
+        self.assertEqual(measures, tessera.Measures(2.5, "metre^3", True))
+        self.assertEqual(self.server.jobs["j1"].inputs,
+                         {"triangulation": "block", "volume": True, "quality": False, "voronoi": False, "memory": "2G"})
+        self.end({"event": "measured"})
+        with self.assertRaises(tessera.Error):
+            self.client.measure("block", quality=True)
+
+    def test_copies_with_heights_arrive_and_are_gone_there(self):
+        cloud = pathlib.Path(__file__).resolve().parents[1] / "data" / "clouds" / "pdal_mvk_thin.las"
+        ground = tessera.triangulate(cloud, 2, classes=[2], folder=self.folder / "ground")
+        exports = ground.folder / "exports"
+        self.server.results["block"] = ground.folder
+
+        def work(job):
+            made = tessera.hag(cloud, exports / job.inputs["output"], ground=ground)
+            job.outcome = {
+                "files": [{"input": "mvk.las", "output": file.output.name, "points": file.points, "outside": file.outside} for file in made],
+                "written": [{"path": str(file.output.relative_to(ground.folder)), "bytes": file.output.stat().st_size,
+                             "xxh3": xxh3(file.output.read_bytes())} for file in made]}
+            job.tell("successful", triangulation="block")
+        self.server.on_submit = work
+        (file,) = self.client.hag("mvk.las", "block", self.folder / "out", outside=-1, memory="1G")
+        self.assertEqual((file.input, file.output, file.points), (pathlib.Path("mvk.las"), self.folder / "out" / cloud.name, 6280))
+        inputs = self.server.jobs["j1"].inputs
+        self.assertRegex(inputs.pop("output"), "^[0-9a-f]{32}$")
+        self.assertEqual(inputs, {"inputs": ["mvk.las"], "triangulation": "block", "outside": -1, "replace": False, "memory": "1G"})
+        (here,) = tessera.hag([cloud], self.folder / "here", ground=ground.folder)
+        self.assertEqual(file.output.read_bytes(), here.output.read_bytes())
+        self.assertEqual(list(exports.iterdir()), [])
+        with self.assertRaisesRegex(tessera.UsageError, "exists already; overwrite=True"):
+            self.client.hag("mvk.las", "block", self.folder / "out")
+        self.client.hag("mvk.las", "block", self.folder / "out", overwrite=True)
+        self.assertEqual(list(exports.iterdir()), [])
 
     def test_info_is_told_at_once_or_by_a_job(self):
         self.server.described = {"points": 3}

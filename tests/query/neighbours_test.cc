@@ -29,7 +29,7 @@ TEST_P(EveryNeighbour, SharesACellWithTheVertex) {
     }
     wanted.erase(PointId{i});
     wanted.erase(query::no_id);
-    const auto found = query::neighbours(result, PointId{i}, sample.owner(PointId{i}), {});
+    const auto found = result.neighbours(PointId{i}, sample.owner(PointId{i}), {});
     ASSERT_TRUE(found) << found.error().where;
     EXPECT_EQ(found.value().ids, std::vector<PointId>(wanted.begin(), wanted.end()));
     EXPECT_EQ(found.value().asked, PointId{i});
@@ -46,16 +46,16 @@ TEST(Neighbours, AreThoseOfThePointThatIsKeptForADuplicate) {
   test::store_sample(folder.path(), test::sample_tiles(points, 2, 2), {}, {{PointId{50}, PointId{7}}});
   const auto result = query::StoredTriangulation::open(folder.path());
   ASSERT_TRUE(result);
-  const auto of_duplicate = query::neighbours(result.value(), PointId{50}, {}, {});
+  const auto of_duplicate = result.value().neighbours(PointId{50}, {}, {});
   ASSERT_TRUE(of_duplicate) << of_duplicate.error().where;
   EXPECT_EQ(of_duplicate.value().vertex, PointId{7});
-  EXPECT_EQ(of_duplicate.value().ids, query::neighbours(result.value(), PointId{7}, {}, {}).value().ids);
+  EXPECT_EQ(of_duplicate.value().ids, result.value().neighbours(PointId{7}, {}, {}).value().ids);
   EXPECT_EQ(text_of(of_duplicate.value()).find("point 50 of the input is equal to vertex 7\n"), 0u);
 }
 
 TEST(Neighbours, OfAPointThatIsNoVertexAreAnError) {
   const QuerySample sample({.cloud = "uniform", .dimension = 2, .number = 2}, 50);
-  const auto found = query::neighbours(sample.open(), PointId{5000}, {}, {});
+  const auto found = sample.open().neighbours(PointId{5000}, {}, {});
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, Errc::usage);
 }

@@ -32,6 +32,22 @@ TEST_F(Admit, OneJobAloneMakesAResult) {
   EXPECT_TRUE(accept("b", bob));
 }
 
+TEST_F(Admit, OneJobAtATimeAddsColumnsToAResultAndOthersReadIt) {
+  const auto on_a = [&](const auto& set) {
+    auto record = record_of("a", testing::admin);
+    set(*record.mutable_inputs());
+    return admission->accept(record, testing::admin, "");
+  };
+  const auto measure = [](proto::Inputs& inputs) { inputs.mutable_measure()->set_triangulation("a"); };
+  const auto verify = [](proto::Inputs& inputs) { inputs.mutable_verify()->set_triangulation("a"); };
+  ASSERT_TRUE(on_a(measure));
+  EXPECT_TRUE(on_a(verify));
+  const auto second = on_a(measure);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().status(), 409);
+  EXPECT_NE(second.error().detail().find("adds columns to it"), std::string::npos) << second.error().detail();
+}
+
 TEST_F(Admit, AJobWithoutANameIsNamedByItsId) {
   const auto made = accept("");
   ASSERT_TRUE(made);

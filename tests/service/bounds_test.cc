@@ -70,11 +70,22 @@ class Bounds : public ServiceTest {
     auto& levels = *add().mutable_surface();
     levels.set_triangulation("large");
     levels.set_format(tileset_format);
+    for (const char* format : {"las", "laz"}) {
+      auto& heights = *add().mutable_hag();
+      heights.add_inputs("points.las");
+      heights.set_triangulation("plane");
+      heights.set_format(format);
+    }
+    auto& columns = *add().mutable_measure();
+    columns.set_triangulation("measured");
+    columns.set_volume(true);
+    columns.set_quality(true);
     return all;
   }
 
   void make_inputs() {
     make_cloud("volume.ply", 80'000);
+    make_cloud("points.las", 20'000);
     std::ofstream plane(inputs() / "plane.xyz");
     std::string text;
     for (int i = 0; i < 2000; ++i)
@@ -118,6 +129,10 @@ class Bounds : public ServiceTest {
     ResultFolders results(data(), *desk.value());
     EXPECT_TRUE(results.open({}));
     RegionClouds clouds(0);
+    // A result that the job changes is a copy.
+    const auto changed = results_folder(data()) / "measured";
+    if (inputs.has_measure())
+      std::filesystem::copy(results_folder(data()) / "large", changed, std::filesystem::copy_options::recursive);
     const auto before = files_of_data();
     const Workshop shop{engine, roots.value(), results, data(), {}, {2, options.memory_bytes}, clouds};
     proto::JobRecord record;
@@ -131,6 +146,7 @@ class Bounds : public ServiceTest {
     for (const auto& name : files_of_data())
       if (!before.contains(name)) left.insert(name);
     for (const auto& name : left) std::filesystem::remove_all(name);
+    std::filesystem::remove_all(changed);
     return {std::move(reply), left, ledger.written()};
   }
 };

@@ -70,6 +70,72 @@ TEST_F(Jobs, ATriangulationIsMadeProvedExportedAndDescribed) {
   EXPECT_NE(service->jobs().outcome(made.id()).value().find("\"event\":\"summary\""), std::string::npos);
 }
 
+TEST_F(Jobs, HeightsAreCopiesOfFilesBesideTheGround) {
+  make_cloud("a.las", 500);
+  make_cloud("b.laz", 500, 2);
+  open();
+  auto ground = triangulate("a.las", "ground");
+  ground.mutable_triangulate()->set_dim(2);
+  ASSERT_EQ(ended(submit(ground)).status(), "successful");
+  proto::Inputs heights;
+  auto& asked = *heights.mutable_hag();
+  asked.add_inputs("*.la?");
+  asked.set_triangulation("ground");
+  asked.set_output("heights.las");
+  EXPECT_EQ(refused(heights).detail(),
+            "output: 'heights.las' must have no ending, because it becomes a folder of files");
+  asked.clear_output();
+  const auto made = ended(submit(heights));
+  ASSERT_EQ(made.status(), "successful") << made.message();
+  const auto outcome = service->jobs().outcome(made.job_id()).value();
+  EXPECT_NE(outcome.find(R"("input":"a.las","output":"a.las","points":500,"outside":0)"), std::string::npos) << outcome;
+  EXPECT_NE(outcome.find(R"("input":"b.laz","output":"b.laz","points":500)"), std::string::npos) << outcome;
+  for (const char* file : {"exports/heights/a.las", "exports/heights/b.laz"})
+    EXPECT_TRUE(service->results().file("ground", file)) << file;
+  EXPECT_EQ(refused(heights).status(), 409);
+  asked.set_overwrite(true);
+  asked.set_format("laz");
+  ASSERT_EQ(ended(submit(heights)).status(), "successful");
+  EXPECT_FALSE(service->results().file("ground", "exports/heights/a.las")) << "the folder is replaced";
+  // The surface must have heights over a plane, and the files must be LAS.
+  ASSERT_EQ(ended(submit(triangulate("a.las", "solid"))).status(), "successful");
+  asked.set_triangulation("solid");
+  EXPECT_NE(refused(heights).detail().find("'solid' is a 3D result"), std::string::npos);
+  make_cloud("c.ply", 500);
+  asked.set_triangulation("ground");
+  asked.set_output("others");
+  asked.add_inputs("c.ply");
+  const auto failed = ended(submit(heights));
+  EXPECT_EQ(failed.status(), "failed");
+  EXPECT_NE(failed.message().find("c.ply: is not LAS or LAZ"), std::string::npos) << failed.message();
+  EXPECT_FALSE(std::filesystem::exists(data() / "results" / "ground" / "exports" / "others"));
+}
+
+TEST_F(Jobs, MeasuresAreANewVersionOfTheResult) {
+  make_cloud("a.xyz", 2000);
+  open();
+  ASSERT_EQ(ended(submit(triangulate("a.xyz", "block"))).status(), "successful");
+  const auto before = service->questions().identity("block").value();
+  proto::Inputs measured;
+  measured.mutable_measure()->set_triangulation("block");
+  EXPECT_NE(refused(measured).detail().find("there is nothing to measure"), std::string::npos);
+  measured.mutable_measure()->set_volume(true);
+  const auto made = ended(submit(measured));
+  ASSERT_EQ(made.status(), "successful") << made.message();
+  const auto outcome = service->jobs().outcome(made.job_id()).value();
+  EXPECT_NE(outcome.find(R"("output":"block","version":2,"made":true,"columns":["volume","star_volume"])"),
+            std::string::npos)
+      << outcome;
+  EXPECT_NE(service->questions().identity("block").value(), before);
+  EXPECT_EQ(ended(submit(verify("block"))).status(), "successful");
+  const auto again = ended(submit(measured));
+  EXPECT_NE(service->jobs().outcome(again.job_id()).value().find(R"("made":false)"), std::string::npos);
+  restart();
+  EXPECT_TRUE(service->results().info("block"));
+  measured.mutable_measure()->set_triangulation("missing");
+  EXPECT_EQ(refused(measured).status(), 422);
+}
+
 TEST_F(Jobs, AFailedJobTellsWhyHarmsNoOtherAndLeavesNothing) {
   options.limits.running = 2;
   make_cloud("a.xyz", 3000);

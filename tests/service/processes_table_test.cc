@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "src/service/processes/helps.h"
 #include "src/service/processes/job_work.h"
 #include "src/service/processes/kinds.h"
 #include "src/service/processes/table.h"
@@ -23,6 +24,18 @@ TEST(ProcessesTable, HasARowForEachKindOfInputs) {
   }
   EXPECT_EQ(rows, wanted);
   EXPECT_EQ(find_process("nothing"), nullptr);
+}
+
+TEST(ProcessesTable, SaysOfEachInputWhatItMeans) {
+  for (const Process* process : all_processes()) {
+    const auto& inputs = *member_of(*process).message_type();
+    for (int i = 0; i < inputs.field_count(); ++i)
+      EXPECT_NE(help_of(inputs.field(i)->name()), nullptr) << process->name << ", " << inputs.field(i)->name();
+    // Who reads a result has a field for its name.
+    EXPECT_EQ(process->reads != Process::Reads::no_result, inputs.FindFieldByName("triangulation") != nullptr)
+        << process->name;
+  }
+  EXPECT_EQ(help_of("nothing"), nullptr);
 }
 
 TEST(ProcessesTable, TellsWhatInputsReadAndMake) {
@@ -48,6 +61,15 @@ TEST(ProcessesTable, TellsWhatInputsReadAndMake) {
   EXPECT_EQ(export_output(inputs), "surface.ply");
   inputs.mutable_export_()->set_output("a.vtu");
   EXPECT_EQ(export_output(inputs), "a.vtu");
+  EXPECT_FALSE(changes_result(inputs));
+  inputs.mutable_hag()->set_triangulation("ground");
+  EXPECT_EQ(export_output(inputs), "heights");
+  EXPECT_EQ(result_read(inputs), "ground");
+  inputs.mutable_measure()->set_triangulation("block");
+  EXPECT_EQ(export_output(inputs), std::nullopt);
+  EXPECT_EQ(result_read(inputs), "block");
+  EXPECT_TRUE(changes_result(inputs));
+  EXPECT_FALSE(makes_result(inputs));
 }
 
 }  // namespace

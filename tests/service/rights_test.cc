@@ -117,6 +117,20 @@ TEST_F(Rights, ToOverwriteAnExportTakesTheRightToRemoveIt) {
   EXPECT_EQ(refused(overwriting(dem), bob).status(), 403);
 }
 
+TEST_F(Rights, ToAddColumnsTakesTheRightToRemoveTheResult) {
+  open();
+  ended(submit(made_in_2d("hers")));
+  proto::Inputs measured;
+  measured.mutable_measure()->set_triangulation("hers");
+  measured.mutable_measure()->set_volume(true);
+  const auto problem = refused(measured, bob);
+  EXPECT_EQ(problem.status(), 403);
+  EXPECT_EQ(problem.detail(), "triangulation: only the owner of 'hers' or an admin may add columns to it");
+  EXPECT_EQ(ended(submit(measured)).status(), "successful");
+  EXPECT_EQ(ended(submit(measured, admin)).status(), "successful") << "they are there already";
+  EXPECT_TRUE(service->results().remove("hers", alice)) << "it is still hers";
+}
+
 // What is from before owners were kept.
 TEST_F(Rights, WhatNobodyIsKnownToHaveMadeIsAnAdmins) {
   open();

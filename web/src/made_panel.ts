@@ -10,6 +10,7 @@ function kindOf(made: Export): string {
   const ending = /\.(\w+)$/.exec(made.name)?.[1] ?? "";
   if (made.name === "3dtiles") return "Levels of detail, for viewers";
   if (made.processID === "contours" || /^contours\./.test(made.name)) return "Contour lines";
+  if (made.processID === "hag") return "Heights above the ground";
   if (made.processID === "dem" || ending === "tif") return "Raster";
   return ending ? `Export, ${ending}` : "Export";
 }
@@ -48,7 +49,7 @@ export class MadePanel {
   }
 
   private row(made: Export): HTMLElement {
-    const file = made.links.find(link => link.rel === "item"), single = made.files === 1 && made.name !== "3dtiles";
+    const file = made.links.find(link => link.rel === "item"), single = /\.\w+$/.test(made.name);  // others are folders
     // The service's own address of it may be another than this page's.
     const to = single && file ? address("triangulations", this.name, "files", "exports", made.name) : null;
     const about = [kindOf(made), single ? "" : `${count(made.files)} files`, made.bytes > 0 ? bytes(made.bytes) : "", moment(made.created), made.submitter ? `by ${made.submitter}` : ""];

@@ -7,7 +7,6 @@
 #include "src/front/api/tile_impl.h"
 #include "src/job/machine.h"
 #include "src/result/query/area.h"
-#include "src/result/query/neighbours.h"
 #include "src/result/query/stored_triangulation.h"
 
 namespace tessera {
@@ -93,8 +92,7 @@ std::vector<std::uint64_t> Questions::neighbours(std::uint64_t vertex, std::opti
   return guarded([&] {
     std::optional<TileId> owner;
     if (tile) owner = TileId{*tile};
-    const auto found =
-        value_or_throw(query::neighbours(impl_->stored, PointId{vertex}, owner, impl_->asking(std::move(stop))));
+    const auto found = value_or_throw(impl_->stored.neighbours(PointId{vertex}, owner, impl_->asking(std::move(stop))));
     std::vector<std::uint64_t> ids;
     for (const PointId id : found.ids) ids.push_back(id.value);
     return ids;

@@ -1,11 +1,6 @@
 // tessera hag: writes LAS and LAZ files back with the height of each point above the ground.
-#include "src/result/heights/heights.h"
-
-#include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,19 +8,18 @@
 
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
-#include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
-#include "src/base/json/json_text.h"
 #include "src/front/apps/command.h"
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/log.h"
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/one_step.h"
+#include "src/front/apps/outcome.h"
 #include "src/front/apps/percent_line.h"
-#include "src/front/apps/say.h"
-#include "src/input/cloud/cloud.h"
+#include "src/front/apps/remote_heights.h"
+#include "src/front/apps/server_options.h"
 #include "src/job/arguments.h"
-#include "src/job/report/human.h"
+#include "src/result/heights/copies.h"
 
 namespace tessera::apps {
 namespace {
@@ -44,18 +38,6 @@ struct HagRequest {
   OutputOptions output;
 };
 
-// A file and its copy.
-struct HagFile {
-  fs::path from, to;
-  std::uint64_t bytes = 0;
-};
-
-Result<LasPacking> parse_packing(const std::string& text) {
-  if (text == "las") return LasPacking::las;
-  if (text == "laz") return LasPacking::laz;
-  return error(Errc::usage, "'" + text + "' is not a format of the copies; the formats are las and laz");
-}
-
 Result<HagRequest> read_request(Settings& settings, const std::vector<std::string>& inputs) {
   HagRequest request{
       .inputs = inputs, .ground = {}, .out = settings.text("output").value_or(""), .command_line = {}, .output = {}};
@@ -69,7 +51,7 @@ Result<HagRequest> read_request(Settings& settings, const std::vector<std::strin
   if (number && request.ground)
     return error(Errc::usage, "--ground-class says of which points the ground is made, but --ground gives the ground");
   request.ground_class = static_cast<int>(number.value_or(2));
-  BOOST_OUTCOME_TRY(packing, settings.get("format", parse_packing));
+  BOOST_OUTCOME_TRY(packing, settings.get("format", parse_las_packing));
   request.heights.packing = packing.value_or(LasPacking::as_input);
   BOOST_OUTCOME_TRY(outside, settings.get("outside", [](const std::string& text) { return parse_finite(text); }));
   request.heights.outside = outside;
@@ -82,31 +64,6 @@ Result<HagRequest> read_request(Settings& settings, const std::vector<std::strin
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
   request.heights.threads = threads;
   return request;
-}
-
-// Finds the files, and checks all of them before the first is written.
-Result<std::vector<HagFile>> find_files(const HagRequest& request, const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(cloud, Cloud::open(request.inputs, {.dimension = 3, .threads = request.heights.threads}, stop));
-  std::vector<HagFile> files;
-  std::map<std::string, fs::path> taken;
-  for (const FileInfo& file : cloud.files()) {
-    if (file.format != "las" && file.format != "laz")
-      return error(Errc::bad_input, file.path.string() + ": is not LAS or LAZ (it is " + file.format +
-                                        "); heights are written into copies of LAS and LAZ files");
-    fs::path name = file.path.filename();
-    if (request.heights.packing == LasPacking::las) name.replace_extension(".las");
-    if (request.heights.packing == LasPacking::laz) name.replace_extension(".laz");
-    const auto [other, fresh] = taken.try_emplace(name.string(), file.path);
-    if (!fresh)
-      return error(Errc::usage, file.path.string() + ": has the same name as " + other->second.string() +
-                                    "; write them into different folders, one call each");
-    const fs::path to = request.out / name;
-    BOOST_OUTCOME_TRY(there, is_there(to));
-    if (there && !request.overwrite)
-      return error(Errc::usage, to.string() + ": exists already; --overwrite replaces it");
-    files.push_back({file.path, to, file.bytes});
-  }
-  return files;
 }
 
 // The surface, and the folder in which it was made, if it was.
@@ -133,75 +90,48 @@ Result<Ground> open_ground(const HagRequest& request) {
   return Ground{std::move(folder), std::move(surface)};
 }
 
-void print(const HagRequest& request, const std::vector<HagFile>& files, const std::vector<HeightsCopy>& copies) {
-  std::uint64_t points = 0, outside = 0;
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    points += copies[i].points;
-    outside += copies[i].outside;
-    list.push_back({{"input", files[i].from.string()},
-                    {"output", files[i].to.string()},
-                    {"points", copies[i].points},
-                    {"outside", copies[i].outside}});
-  }
-  if (request.output.json) {
-    const nlohmann::ordered_json object{
-        {"event", "heights"}, {"files", std::move(list)}, {"points", points}, {"outside", outside}};
-    std::printf("%s\n", json_text(object).c_str());
-    return;
-  }
-  if (request.output.quiet) return;
-  say("%s: %s points of %s %s have the dimension %s\n", request.out.c_str(), grouped(points).c_str(),
-      grouped(files.size()).c_str(), files.size() == 1 ? "file" : "files", height_dimension);
-  if (outside > 0)
-    say("%s points are outside of the hull of the ground points; their height is %s\n", grouped(outside).c_str(),
-        request.heights.outside ? "that of --outside" : "NaN (--outside VALUE writes a number instead)");
-}
-
 Status run_hag(Settings& settings, const std::vector<std::string>& inputs,
                const std::vector<std::string>& command_line) {
   BOOST_OUTCOME_TRY(request, read_request(settings, inputs));
   if (request.output.verbose) log_everything();
+  if (names_server(settings)) return hag_remotely(settings, request.inputs, request.out, request.output);
+  BOOST_OUTCOME_TRYV(refuse_detach(settings));
   request.command_line = command_line;
-  std::vector<HagFile> files;
+  std::vector<HeightsFile> files;
   {
     const Interrupt interrupt;
-    BOOST_OUTCOME_TRY(found, find_files(request, interrupt.token()));
+    request.heights.stop = interrupt.token();
+    BOOST_OUTCOME_TRY(found, plan_copies(request.inputs, request.out, request.heights, request.overwrite));
     files = std::move(found);
     BOOST_OUTCOME_TRYV(make_directories(request.out));
   }
   BOOST_OUTCOME_TRY(ground, open_ground(request));  // which handles interrupts itself
   const Interrupt interrupt;
   request.heights.stop = interrupt.token();
-  std::uint64_t bytes = 0, done = 0;
-  for (const HagFile& file : files) bytes += file.bytes;
-  const auto progress = share_line("writing heights", request.output);
-  std::vector<HeightsCopy> copies;
-  for (const HagFile& file : files) {
-    auto copy = copy_with_heights(ground.surface, file.from, file.to, request.heights);
-    if (!copy) clear_line(request.output);
-    BOOST_OUTCOME_TRY(made, std::move(copy));
-    copies.push_back(made);
-    done += file.bytes;
-    if (progress && bytes > 0) progress(static_cast<double>(done) / static_cast<double>(bytes));
-  }
+  const Status written =
+      write_copies(ground.surface, files, request.heights, share_line("writing heights", request.output));
   clear_line(request.output);
-  print(request, files, copies);
+  BOOST_OUTCOME_TRYV(written);
+  print_heights(request.out.string(), files, request.heights.outside.has_value(), request.output);
   return success();
 }
 
 }  // namespace
 
 Command add_hag(CLI::App& root) {
-  auto command =
-      new_command(root, "hag", "Writes LAS and LAZ files back with the height of each point above the ground",
-                  "  tessera hag 'block/*.laz' -o heights/                       (the ground: points of class 2)\n"
-                  "  tessera hag 'block/*.laz' -o heights/ --ground-class 11\n"
-                  "  tessera hag tile.laz -o heights/ --ground ground/           (above a 2D result)\n"
-                  "  tessera hag 'block/*.las' -o heights/ --format laz --outside 0");
+  auto command = new_command(
+      root, "hag", "Writes LAS and LAZ files back with the height of each point above the ground",
+      "  tessera hag 'block/*.laz' -o heights/                       (the ground: points of class 2)\n"
+      "  tessera hag 'block/*.laz' -o heights/ --ground-class 11\n"
+      "  tessera hag tile.laz -o heights/ --ground ground/           (above a 2D result)\n"
+      "  tessera hag 'block/*.las' -o heights/ --format laz --outside 0\n"
+      "  tessera hag 'block/*.laz' -o heights/ --ground NAME --server http://127.0.0.1:7070      (by a daemon, "
+      "above one of its results)");
   add_value(command, "output", "FOLDER", "the folder for the copies, which have the names of their files", 'o', true);
   add_value(command, "ground-class", "N", "the class of the points that make the ground; default: 2", 0, true);
-  add_value(command, "ground", "FOLDER", "the ground as a 2D result; default: the ground points of all files", 0, true);
+  add_value(command, "ground", "FOLDER",
+            "the ground as a 2D result; default: the ground points of all files; with --server, the name of a result",
+            0, true);
   add_value(command, "format", "NAME", "las or laz; default: as each file is", 0, true);
   add_choices(command, "format", "las, laz");
   add_value(command, "outside", "VALUE", "the height of points outside of the hull of the ground points; default: NaN",
@@ -210,6 +140,7 @@ Command add_hag(CLI::App& root) {
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_threads_option(command);
   add_memory_option(command, "tiles");
+  add_remote_options(command);
   add_output_switches(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
   add_argument(command, "inputs", "FILE", *inputs, "LAS and LAZ files, folders or patterns");

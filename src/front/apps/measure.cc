@@ -11,43 +11,22 @@
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/log.h"
 #include "src/front/apps/machine_options.h"
+#include "src/front/apps/outcome.h"
 #include "src/front/apps/percent_line.h"
-#include "src/front/apps/say.h"
+#include "src/front/apps/remote_result.h"
+#include "src/front/apps/server_options.h"
 #include "src/job/describe.h"
 #include "src/job/version.h"
 
 namespace tessera::apps {
 namespace {
 
-// "volume of cells, star_volume of vertices"
-std::string columns_of(const Measured& measured) {
-  std::string text;
-  for (const auto& column : measured.columns)
-    text += (text.empty() ? "" : ", ") + column.name + (column.of_cells ? " of cells" : " of vertices");
-  return text;
-}
-
-void print(const Measured& measured, const OutputOptions& output) {
-  if (output.json) {
-    std::printf("%s\n", to_json(measured).c_str());
-    return;
-  }
-  if (output.quiet) return;
-  const std::string unit = measured.unit.empty() ? "" : " " + measured.unit;
-  const char* const folder = measured.folder.c_str();
-  if (measured.made) {
-    say("%s: version %u has the columns %s\n", folder, measured.version, columns_of(measured).c_str());
-  } else {
-    say("%s: has the columns %s already; nothing was changed\n", folder, columns_of(measured).c_str());
-  }
-  if (measured.total) say("%s of all cells: %.17g%s\n", measured.total_of.c_str(), *measured.total, unit.c_str());
-  if (!measured.note.empty()) say("%s\n", measured.note.c_str());
-}
-
 Status run_measure(Settings& settings, const std::string& folder, const std::vector<std::string>& command_line) {
   if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera measure --help'");
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
+  if (names_server(settings)) return measure_remotely(settings, folder, output);
+  BOOST_OUTCOME_TRYV(refuse_detach(settings));
   MeasureOptions options{.command = command_line, .software_version = version()};
   BOOST_OUTCOME_TRY(volume, settings.on("volume"));
   options.volume = volume;
@@ -65,7 +44,7 @@ Status run_measure(Settings& settings, const std::string& folder, const std::vec
   auto result = measure(folder, options, interrupt.token());
   clear_line(output);
   BOOST_OUTCOME_TRY(measured, std::move(result));
-  print(measured, output);
+  print_measured(measured, output);
   return success();
 }
 
@@ -87,7 +66,8 @@ Command add_measure(CLI::App& root) {
       "circumradius)\n"
       "  tessera measure out/ --voronoi                (columns voronoi_volume, voronoi_neighbours, ...)\n"
       "  tessera measure out/ --volume --threads 4 --memory 2G\n"
-      "  tessera columns out/                          (lists the columns)");
+      "  tessera columns out/                          (lists the columns)\n"
+      "  tessera measure NAME --volume --server http://127.0.0.1:7070      (a result of a daemon, by the daemon)");
   add_switch(command, "volume",
              "the volume of each cell, and for each vertex the volume of the cells around it; for a 2D result areas", 0,
              true);
@@ -101,9 +81,10 @@ Command add_measure(CLI::App& root) {
              0, true);
   add_threads_option(command);
   add_memory_option(command, "tiles");
+  add_remote_options(command);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  add_argument(command, "result", "FOLDER", *folder, "result folder");
+  add_argument(command, "result", "FOLDER", *folder, "result folder; with --server, the name of the result");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>& command_line) {
     return run_measure(*settings, *folder, command_line);
   };

@@ -1,5 +1,6 @@
 #include "src/front/apps/outcome.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -25,6 +26,11 @@ bool read(const Json& object, const char* key, std::string& value) {
   if (found == object.end() || !found->is_string()) return false;
   value = found->get<std::string>();
   return true;
+}
+
+bool is_event(const Json& object, const char* event) {
+  std::string told;
+  return read(object, "event", told) && told == event;
 }
 
 }  // namespace
@@ -53,6 +59,43 @@ void print_exported(const Exported& exported, const std::optional<std::string>& 
       say("coordinates count from %.0f %.0f %.0f\n", corner->x, corner->y, corner->z);
     if (!exported.note.empty()) say_beside("note: %s\n", exported.note.c_str());
   }
+}
+
+void print_heights(const std::string& folder, const std::vector<HeightsFile>& files, std::optional<bool> outside,
+                   const OutputOptions& output) {
+  if (output.json) {
+    std::printf("%s\n", to_json(files).c_str());
+    return;
+  }
+  if (output.quiet) return;
+  const HeightsCopy all = all_copies(files);
+  say("%s: %s points of %s %s have the dimension %s\n", folder.c_str(), grouped(all.points).c_str(),
+      grouped(files.size()).c_str(), files.size() == 1 ? "file" : "files", height_dimension);
+  if (all.outside == 0) return;
+  const char* height = !outside   ? ""
+                       : *outside ? "; their height is that of --outside"
+                                  : "; their height is NaN (--outside VALUE writes a number instead)";
+  say("%s points are outside of the hull of the ground points%s\n", grouped(all.outside).c_str(), height);
+}
+
+void print_measured(const Measured& measured, const OutputOptions& output) {
+  if (output.json) {
+    std::printf("%s\n", to_json(measured).c_str());
+    return;
+  }
+  if (output.quiet) return;
+  const std::string unit = measured.unit.empty() ? "" : " " + measured.unit;
+  const char* const folder = measured.folder.c_str();
+  std::string columns;
+  for (const auto& column : measured.columns)
+    columns += (columns.empty() ? "" : ", ") + column.name + (column.of_cells ? " of cells" : " of vertices");
+  if (measured.made) {
+    say("%s: version %u has the columns %s\n", folder, measured.version, columns.c_str());
+  } else {
+    say("%s: has the columns %s already; nothing was changed\n", folder, columns.c_str());
+  }
+  if (measured.total) say("%s of all cells: %.17g%s\n", measured.total_of.c_str(), *measured.total, unit.c_str());
+  if (!measured.note.empty()) say("%s\n", measured.note.c_str());
 }
 
 std::optional<VerifyReport> verified_of(const Json& outcome) {
@@ -88,6 +131,48 @@ std::optional<Exported> exported_of(const Json& outcome) {
     }
   }
   return exported;
+}
+
+std::optional<std::vector<HeightsFile>> heights_of(const Json& outcome) {
+  const auto list = outcome.find("files");
+  if (!is_event(outcome, "heights") || list == outcome.end() || !list->is_array()) return std::nullopt;
+  std::vector<HeightsFile> files;
+  for (const auto& entry : *list) {
+    HeightsFile file;
+    std::string from, to;
+    if (!entry.is_object() || !read(entry, "input", from) || !read(entry, "output", to) ||
+        !read(entry, "points", file.copy.points) || !read(entry, "outside", file.copy.outside))
+      return std::nullopt;
+    file.from = from;
+    file.to = to;
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
+std::optional<Measured> measured_of(const Json& outcome) {
+  Measured measured;
+  std::string folder;
+  std::uint64_t version = 0;
+  const auto made = outcome.find("made"), columns = outcome.find("columns"),
+             of_cells = outcome.find("columns_of_cells");
+  const auto total = outcome.find("total");
+  if (!is_event(outcome, "measured") || !read(outcome, "output", folder) || !read(outcome, "version", version) ||
+      made == outcome.end() || !made->is_boolean() || columns == outcome.end() || !columns->is_array() ||
+      of_cells == outcome.end() || !of_cells->is_array() || total == outcome.end() ||
+      !read(outcome, "total_of", measured.total_of) || !read(outcome, "unit", measured.unit) ||
+      !read(outcome, "infinite", measured.infinite) || !read(outcome, "note", measured.note))
+    return std::nullopt;
+  measured.folder = folder;
+  measured.version = static_cast<std::uint32_t>(version);
+  measured.made = made->get<bool>();
+  for (const auto& name : *columns) {
+    if (!name.is_string()) return std::nullopt;
+    const bool cells = std::find(of_cells->begin(), of_cells->end(), name) != of_cells->end();
+    measured.columns.push_back({name.get<std::string>(), cells});
+  }
+  if (total->is_number()) measured.total = total->get<double>();
+  return measured;
 }
 
 }  // namespace tessera::apps

@@ -1,12 +1,15 @@
-// Prints the outcome of verify and export. The text is the same for work of this process and of a daemon.
+// Prints the outcome of verify, export, hag and measure. The text is the same for work of this process and of a daemon.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "src/front/apps/command.h"
 #include "src/result/export/export.h"
+#include "src/result/heights/copies.h"
+#include "src/result/measure/measure.h"
 #include "src/result/verify/verify.h"
 
 namespace tessera::apps {
@@ -14,9 +17,15 @@ namespace tessera::apps {
 void print_verified(const std::string& result, const VerifyReport& report, const OutputOptions& output);
 // `max_edge`: the length as the user typed it, if given.
 void print_exported(const Exported& exported, const std::optional<std::string>& max_edge, const OutputOptions& output);
+// `outside`: whether --outside was given; no value when that is not known.
+void print_heights(const std::string& folder, const std::vector<HeightsFile>& files, std::optional<bool> outside,
+                   const OutputOptions& output);
+void print_measured(const Measured& measured, const OutputOptions& output);
 
 // These read the outcome in a daemon's JSON object; no value if the object is something else.
 std::optional<VerifyReport> verified_of(const nlohmann::ordered_json& outcome);
 std::optional<Exported> exported_of(const nlohmann::ordered_json& outcome);
+std::optional<std::vector<HeightsFile>> heights_of(const nlohmann::ordered_json& outcome);
+std::optional<Measured> measured_of(const nlohmann::ordered_json& outcome);
 
 }  // namespace tessera::apps

@@ -101,7 +101,7 @@ Status query_star(QueryRequest& request) {
 Status query_neighbours(QueryRequest& request) {
   BOOST_OUTCOME_TRY(vertex, asked_vertex(request, "neighbours"));
   BOOST_OUTCOME_TRY(result, open(request));
-  BOOST_OUTCOME_TRY(found, query::neighbours(result, vertex, request.tile, request.ask));
+  BOOST_OUTCOME_TRY(found, result.neighbours(vertex, request.tile, request.ask));
   const bool part = result.manifest().region.has_value();
   return print(request.output.json ? json_of(found, part) : printable_lines(text_of(found, part)));
 }

@@ -38,24 +38,35 @@ Result<proto::StatusInfo> submit(client::Server& server, const char* process, co
   return advise_here(submitted.error(), name);
 }
 
-}  // namespace
-
-Status verify_remotely(Settings& settings, const std::string& name, const OutputOptions& output) {
-  if (settings.source("scratch") == Settings::Source::flag)
-    return error(Errc::usage, "--scratch is not for a job of a daemon, which has its data folder");
+// Submits a job that works on a result at the daemon, and watches it unless --detach is given.
+Status work_remotely(Settings& settings, const char* process, Json inputs, const std::string& name,
+                     const OutputOptions& output) {
   BOOST_OUTCOME_TRY(detach, settings.on("detach"));
-  BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::VerifyInputs::descriptor(), only_here({"scratch"})));
   inputs["triangulation"] = without_slash(name);
   BOOST_OUTCOME_TRY(server, open_server(settings));
   proto::StatusInfo job;
   {
     const Interrupt interrupt;
-    BOOST_OUTCOME_TRY(submitted, submit(server, "verify", inputs, name, interrupt.token()));
+    BOOST_OUTCOME_TRY(submitted, submit(server, process, inputs, name, interrupt.token()));
     job = std::move(submitted);
   }
   if (!detach) return watch_job(server, settings, job.job_id(), output);
   print_detached(settings, job, output);
   return success();
+}
+
+}  // namespace
+
+Status verify_remotely(Settings& settings, const std::string& name, const OutputOptions& output) {
+  if (settings.source("scratch") == Settings::Source::flag)
+    return error(Errc::usage, "--scratch is not for a job of a daemon, which has its data folder");
+  BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::VerifyInputs::descriptor(), only_here({"scratch"})));
+  return work_remotely(settings, "verify", std::move(inputs), name, output);
+}
+
+Status measure_remotely(Settings& settings, const std::string& name, const OutputOptions& output) {
+  BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::MeasureInputs::descriptor(), only_here({})));
+  return work_remotely(settings, "measure", std::move(inputs), name, output);
 }
 
 Status fetch_export(client::Server& server, const proto::StatusInfo& job, const std::string& asked,

@@ -1,4 +1,4 @@
-// The commands verify, export and info, done by a daemon.
+// The commands verify, measure, export and info, done by a daemon.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +15,7 @@ namespace tessera::apps {
 
 // `name`: of the result; slashes at its end are ignored. Errors: those of watch_job().
 Status verify_remotely(Settings& settings, const std::string& name, const OutputOptions& output);
+Status measure_remotely(Settings& settings, const std::string& name, const OutputOptions& output);
 
 // Downloads the files to `target`. They stay at the daemon only with --detach, and are then not downloaded.
 Status export_remotely(Settings& settings, const std::string& name, const std::filesystem::path& target,

@@ -14,6 +14,7 @@
 #include "src/front/apps/log.h"
 #include "src/front/apps/percent_line.h"
 #include "src/front/apps/remote_drawing.h"
+#include "src/front/apps/remote_heights.h"
 #include "src/front/apps/remote_result.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
@@ -35,17 +36,19 @@ Status run_results(Settings& settings) {
   return success();
 }
 
-// Downloads the files that an export, dem or contours job has written.
+// Downloads the files that an export, dem, contours or hag job has written.
 Status fetch_of_job(client::Server& server, const std::string& id, const std::filesystem::path& path,
                     const OutputOptions& output, const std::stop_token& stop) {
   const auto job = server.job(id, stop);
   if (!job && job.error().code != Errc::usage) return job.error();
-  if (!job || (job.value().process_id() != "export" && !is_drawing(job.value())))
+  const bool copied = job && job.value().process_id() == "hag";
+  if (!job || (job.value().process_id() != "export" && !copied && !is_drawing(job.value())))
     return error(Errc::usage,
                  "there is no result '" + id +
                      "', and no job with this id that exports or draws a result; 'tessera results' lists results");
   if (job.value().status() != "successful")
     return error(Errc::usage, "job " + id + " has the status " + job.value().status() + ": there is nothing to fetch");
+  if (copied) return fetch_heights(server, job.value(), path, false, output, stop);
   const auto taken = error(Errc::usage, path.string() + ": exists already; give another name");
   BOOST_OUTCOME_TRY(there, is_there(path));
   if (is_drawing(job.value())) {
@@ -111,10 +114,11 @@ Command add_results(CLI::App& root) {
 }
 
 Command add_fetch(CLI::App& root) {
-  auto command = new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
-                             "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
-                             "  tessera fetch NAME -o out/      (again, after Ctrl-C: continues where it was)\n"
-                             "  tessera fetch ID -o mesh.ply    (the files of a job that ran export, dem or contours)");
+  auto command =
+      new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
+                  "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
+                  "  tessera fetch NAME -o out/      (again, after Ctrl-C: continues where it was)\n"
+                  "  tessera fetch ID -o mesh.ply    (the files of a job that ran export, dem, contours or hag)");
   set_group(command, daemon_group);
   add_value(command, "output", "FOLDER",
             "for a result: a folder that is new, empty, or left by an earlier fetch; for the files of a job: the file "
@@ -125,7 +129,8 @@ Command add_fetch(CLI::App& root) {
   auto name = std::make_shared<std::string>();
   add_argument(
       command, "result", "NAME", *name,
-      "the name of a result, as 'tessera results' shows it; or the id of a job that ran export, dem or contours");
+      "the name of a result, as 'tessera results' shows it; or the id of a job that ran export, dem, contours or "
+      "hag");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_fetch(*settings, *name);
   };

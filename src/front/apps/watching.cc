@@ -109,11 +109,17 @@ Status show_outcome(client::Server& server, const proto::StatusInfo& job, const 
   if (print_drawn(outcome, output)) return success();
   const auto verified = verified_of(outcome);
   const auto exported = exported_of(outcome);
+  const auto heights = heights_of(outcome);
+  const auto measured = measured_of(outcome);
   const auto described = description_text(outcome, false);
   if (verified) {
     print_verified(job.triangulation(), *verified, output);
   } else if (exported) {
     print_exported(*exported, std::nullopt, output);
+  } else if (heights) {
+    print_heights(job.triangulation(), *heights, std::nullopt, output);
+  } else if (measured) {
+    print_measured(*measured, output);
   } else if (described) {
     say_whole(*described, false);
   } else {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 #include <set>
+#include <stdexcept>
 #include <tuple>
 
 #include "src/base/check.h"
@@ -74,7 +75,8 @@ const std::vector<std::string>& cloud_kinds() {
 std::vector<LocalPoint> make_cloud(const std::string& kind, int dimension, std::size_t n, std::uint64_t seed) {
   check(std::find(cloud_kinds().begin(), cloud_kinds().end(), kind) != cloud_kinds().end(), "unknown kind of cloud");
   Draw r{std::mt19937_64(seed)};
-  for (;;) {
+  constexpr int rounds_max = 1000;  // a few points of a coarse kind may not span space, a hundred of them always do
+  for (int round = 0; round < rounds_max; ++round) {
     std::set<Point> seen;
     std::vector<LocalPoint> points;
     for (std::size_t tries = 0; points.size() < n && tries < 20 * n; ++tries) {
@@ -83,6 +85,8 @@ std::vector<LocalPoint> make_cloud(const std::string& kind, int dimension, std::
     }
     if (points.size() > static_cast<std::size_t>(dimension) && spans(points, dimension)) return points;
   }
+  throw std::invalid_argument("no cloud of " + std::to_string(n) + " points of the kind " + kind + " spans " +
+                              std::to_string(dimension) + "-dimensional space");
 }
 
 std::vector<double> coordinates_of(const std::vector<LocalPoint>& cloud, int dimension) {

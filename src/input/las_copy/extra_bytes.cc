@@ -13,7 +13,9 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t descriptor_bytes = 192, name_at = 4, name_bytes = 32, description_at = 160;
+constexpr std::size_t descriptor_bytes = 192, name_at = 4, name_bytes = 32, least_at = 64, greatest_at = 88,
+                      description_at = 160;
+constexpr std::byte has_least{2}, has_greatest{4};  // of the options of a descriptor
 constexpr std::string_view spec_user = "LASF_Spec";
 constexpr std::uint16_t extra_bytes_id = 4;
 
@@ -60,7 +62,7 @@ class AddDimensions {
                                       "; a name has 1 to 32 bytes, a description at most 32");
     for (auto* records : {&parts_.records, &parts_.extended})
       for (auto& record : *records)
-        if (record.is(spec_user, extra_bytes_id)) {
+        if (describes_extra_bytes(record)) {
           BOOST_OUTCOME_TRYV(walk(record));
         }
     std::vector<std::byte> added;
@@ -169,6 +171,26 @@ Result<RecordChange> add_dimensions(const ByteSource& source, const LasHeader& h
                                     const std::vector<ExtraDimension>& dimensions, bool replace) {
   if (dimensions.empty()) return RecordChange{.kept = {{0, header.record_bytes}}, .record_bytes = header.record_bytes};
   return AddDimensions(source, header, parts, dimensions, replace).run();
+}
+
+bool describes_extra_bytes(const LasRecord& record) { return record.is(spec_user, extra_bytes_id); }
+
+LasRecord& describe_ranges(LasParts& parts, std::span<const ValueRange> ranges) {
+  LasRecord* last = nullptr;
+  for (auto* records : {&parts.records, &parts.extended})
+    for (auto& record : *records)
+      if (describes_extra_bytes(record)) last = &record;
+  auto& payload = *last->payload;
+  std::size_t at = payload.size() - ranges.size() * descriptor_bytes;
+  for (const auto& range : ranges) {
+    if (range.any()) {
+      payload[at + 3] |= has_least | has_greatest;
+      store_at(payload, at + least_at, range.least);
+      store_at(payload, at + greatest_at, range.greatest);
+    }
+    at += descriptor_bytes;
+  }
+  return *last;
 }
 
 }  // namespace tessera

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,5 +38,23 @@ struct RecordChange {
 // Error usage for a name or a description that is too long. REQUIRES: `header` and `parts` are those of `source`.
 Result<RecordChange> add_dimensions(const ByteSource& source, const LasHeader& header, LasParts& parts,
                                     const std::vector<ExtraDimension>& dimensions, bool replace);
+
+// The least and the greatest value of a dimension. NaN has no place among numbers, and does not count.
+struct ValueRange {
+  double least = std::numeric_limits<double>::infinity(), greatest = -std::numeric_limits<double>::infinity();
+
+  void add(double value) {
+    if (value < least) least = value;
+    if (value > greatest) greatest = value;
+  }
+  bool any() const { return least <= greatest; }
+};
+
+// Writes the ranges of the dimensions that add_dimensions() has added into their descriptors, for the dimensions that
+// have any value. Returns the record of these descriptors. REQUIRES: add_dimensions() has changed `parts`, and has
+// added as many dimensions as there are ranges, at least one.
+LasRecord& describe_ranges(LasParts& parts, std::span<const ValueRange> ranges);
+// True for a record of descriptors.
+bool describes_extra_bytes(const LasRecord& record);
 
 }  // namespace tessera

@@ -41,7 +41,8 @@ class LasCopy {
         file_(std::move(file)),
         options_(options),
         values_(values),
-        compress_(options.packing == LasPacking::as_input ? header_.compressed : options.packing == LasPacking::laz) {}
+        compress_(options.packing == LasPacking::as_input ? header_.compressed : options.packing == LasPacking::laz),
+        ranges_(options.dimensions.size()) {}
 
   Result<std::uint64_t> run() {
     BOOST_OUTCOME_TRYV(open_records());
@@ -58,6 +59,7 @@ class LasCopy {
       BOOST_OUTCOME_TRYV(body_->finish());
       end_ = body_->end();
     }
+    BOOST_OUTCOME_TRYV(write_ranges());
     BOOST_OUTCOME_TRYV(write_extended());
     BOOST_OUTCOME_TRYV(source_->check_unchanged());
     BOOST_OUTCOME_TRYV(go_on());
@@ -151,6 +153,7 @@ class LasCopy {
     end_ = header.size();
     for (const auto& record : parts_.records) {
       if (record.is(copc_user, copc_info_id)) info_at_ = end_ + record.head.size();
+      if (describes_extra_bytes(record)) described_at_ = end_ + record.head.size();
       BOOST_OUTCOME_TRYV(append_record(*source_, record, file_));
       end_ += record.bytes();
     }
@@ -193,12 +196,12 @@ class LasCopy {
     const double* number = numbers_.data();
     for (const std::byte* from = block.data(); from != block.data() + block.size(); from += header_.record_bytes) {
       for (const auto& piece : change_.kept) to = std::copy_n(from + piece.at, piece.bytes, to);
-      for (const auto& dimension : options_.dimensions) {
+      for (std::size_t i = 0; i < options_.dimensions.size(); ++i, ++number) {
         const auto single = static_cast<float>(*number);
-        const bool is_single = dimension.type == AttributeType::f32;
+        const bool is_single = options_.dimensions[i].type == AttributeType::f32;
         const auto raw = is_single ? std::as_bytes(std::span(&single, 1)) : std::as_bytes(std::span(number, 1));
         to = std::copy(raw.begin(), raw.end(), to);
-        ++number;
+        ranges_[i].add(is_single ? static_cast<double>(single) : *number);  // of the values as they are stored
       }
     }
     return std::span<const std::byte>(widened_);
@@ -211,24 +214,40 @@ class LasCopy {
       BOOST_OUTCOME_TRYV(laz::move_copc_hierarchy(*source_, parts_, chunks_, body_->chunks(), end_, info));
       BOOST_OUTCOME_TRYV(file_.overwrite(*info_at_, info));
     }
-    if (header_.minor >= 4 && load<std::uint32_t>(parts_.header.data() + 243) != 0) {
-      const std::uint64_t begin = parts_.extended.empty() ? 0 : end_;
-      move_waveforms(load<std::uint64_t>(parts_.header.data() + 235), begin);
-      store_at(parts_.header, 235, begin);
-      store_at(parts_.header, 243, static_cast<std::uint32_t>(parts_.extended.size()));
-      BOOST_OUTCOME_TRYV(file_.overwrite(0, parts_.header));
-    }
+    std::uint64_t waveforms = 0;  // where their record begins in the copy
+    const std::uint64_t begin = end_, waveforms_before = place_of_waveforms();
     for (const auto& record : parts_.extended) {
+      if (record.begins_at() == waveforms_before) waveforms = end_;
       BOOST_OUTCOME_TRYV(append_record(*source_, record, file_));
       end_ += record.bytes();
     }
-    return success();
+    if (parts_.waveforms) {
+      waveforms = end_;
+      BOOST_OUTCOME_TRYV(append_record(*source_, *parts_.waveforms, file_));
+      end_ += parts_.waveforms->bytes();
+    }
+    if (waveforms != 0) store_at(parts_.header, waveforms_at, waveforms);
+    const bool listed = header_.minor >= 4 && load<std::uint32_t>(parts_.header.data() + 243) != 0;
+    if (listed) {
+      store_at(parts_.header, 235, parts_.extended.empty() ? std::uint64_t{0} : begin);
+      store_at(parts_.header, 243, static_cast<std::uint32_t>(parts_.extended.size()));
+    }
+    if (!listed && waveforms == 0) return success();
+    return file_.overwrite(0, parts_.header);
   }
 
-  // The header may say where an extended record with waveforms begins, also when no point has one.
-  void move_waveforms(std::uint64_t extended_before, std::uint64_t extended_now) {
-    const auto at = load<std::uint64_t>(parts_.header.data() + 227);
-    if (at >= extended_before) store_at(parts_.header, 227, at - extended_before + extended_now);
+  // Where the input's header says that the record of waveforms begins, also when no point has one; 0 for none.
+  std::uint64_t place_of_waveforms() const {
+    if (parts_.header.size() < waveforms_at + sizeof(std::uint64_t)) return 0;
+    return load<std::uint64_t>(parts_.header.data() + waveforms_at);
+  }
+
+  // Writes the ranges of the new dimensions into their descriptors, once all values are known.
+  Status write_ranges() {
+    if (options_.dimensions.empty()) return success();
+    const LasRecord& record = describe_ranges(parts_, ranges_);
+    if (record.extended()) return success();  // not written yet
+    return file_.overwrite(*described_at_, *record.payload);
   }
 
   std::shared_ptr<const ByteSource> source_;
@@ -243,9 +262,11 @@ class LasCopy {
   std::vector<laz::Chunk> chunks_;  // of the input
   std::unique_ptr<RecordSource> records_;
   RecordChange change_;
-  std::uint64_t end_ = 0;                 // the bytes of the copy so far
-  std::optional<std::uint64_t> info_at_;  // where the copy has the payload of the COPC info record
+  std::uint64_t end_ = 0;                      // the bytes of the copy so far
+  std::optional<std::uint64_t> info_at_;       // where the copy has the payload of the COPC info record
+  std::optional<std::uint64_t> described_at_;  // the same of the last record of descriptors of extra bytes
   std::optional<laz::LazBody> body_;
+  std::vector<ValueRange> ranges_;  // of the new dimensions
   std::vector<double> numbers_;
   std::vector<std::byte> widened_;
 };
@@ -256,10 +277,11 @@ Result<std::uint64_t> copy_las(std::unique_ptr<ByteSource> source, const std::fi
                                const LasCopyOptions& options, const DimensionValues& values) {
   const std::shared_ptr<const ByteSource> shared = std::move(source);
   BOOST_OUTCOME_TRY(header, read_las_header(*shared));
-  if (holds_waveforms(header.point_format))
+  const bool packs = options.packing == LasPacking::as_input ? header.compressed : options.packing == LasPacking::laz;
+  if (holds_waveforms(header.point_format) && (packs || header.compressed))
     return error(Errc::bad_input, shared->path().string() + ": has points of format " +
-                                      std::to_string(header.point_format) +
-                                      ", which hold waveforms; these are not copied");
+                                      std::to_string(header.point_format) + ", which hold waveforms; these are " +
+                                      (header.compressed ? "not decompressed" : "copied to LAS, and not compressed"));
   BOOST_OUTCOME_TRY(parts, read_las_parts(*shared, header));
   BOOST_OUTCOME_TRY(file, OutputFile::create(to));
   return LasCopy(shared, std::move(header), std::move(parts), std::move(file), options, values).run();

@@ -41,7 +41,12 @@ using DimensionValues = std::function<Status(std::uint64_t first, std::span<doub
 // points. Bytes of the file that belong to nothing, such as those behind the last point, are left out, and so are the
 // records of LASzip and COPC in an uncompressed copy.
 //
-// Errors: bad_input for input that is not LAS, is damaged, holds waveforms (point formats 4, 5, 9 and 10), has a
+// Waveforms (point formats 4, 5, 9 and 10) stay where they are: in the file's own record, which is copied, or in a file
+// beside it with the ending .wdp, which is not.
+//
+// The descriptors of the new dimensions tell the least and the greatest value, without NaN.
+//
+// Errors: bad_input for input that is not LAS, is damaged, holds waveforms and is or would be compressed, has a
 // dimension of the same name (unless options.replace), or whose records would become too long; io; interrupted. No file
 // is left then, and a file that was there before is as it was.
 // REQUIRES: `values` may be empty only without dimensions.

@@ -27,6 +27,24 @@ Status read_records_at(const ByteSource& source, std::uint64_t& at, std::uint32_
   return success();
 }
 
+// Finds the record of waveforms, if the file says that it has one and the list of extended records does not have it.
+Status read_waveforms(const ByteSource& source, LasParts& parts) {
+  constexpr std::uint16_t inside = 2;  // of the global encoding: waveforms are in this file
+  if (parts.header.size() < waveforms_at + sizeof(std::uint64_t)) return success();
+  const auto begin = load<std::uint64_t>(parts.header.data() + waveforms_at);
+  if (begin == 0 || (load<std::uint16_t>(parts.header.data() + 6) & inside) == 0) return success();
+  for (const auto& record : parts.extended)
+    if (record.begins_at() == begin) return success();
+  std::uint64_t at = begin;
+  std::vector<LasRecord> found;
+  BOOST_OUTCOME_TRYV(read_records_at(source, at, 1, true, found));
+  if (!found.front().is("LASF_Spec", 65535))
+    return error(Errc::bad_input, source.path().string() + ": says that its waveforms begin at byte " +
+                                      std::to_string(begin) + ", but no record of waveforms begins there");
+  parts.waveforms = std::move(found.front());
+  return success();
+}
+
 }  // namespace
 
 bool LasRecord::is(std::string_view user, std::uint16_t id) const {
@@ -43,9 +61,12 @@ Result<LasParts> read_las_parts(const ByteSource& source, const LasHeader& heade
   std::uint64_t at = parts.header.size();
   BOOST_OUTCOME_TRYV(read_records_at(source, at, load<std::uint32_t>(parts.header.data() + 100), false, parts.records));
   parts.gap = {at, header.points_at - at};
-  if (header.minor < 4) return parts;
-  at = load<std::uint64_t>(parts.header.data() + 235);
-  BOOST_OUTCOME_TRYV(read_records_at(source, at, load<std::uint32_t>(parts.header.data() + 243), true, parts.extended));
+  if (header.minor >= 4) {
+    at = load<std::uint64_t>(parts.header.data() + 235);
+    BOOST_OUTCOME_TRYV(
+        read_records_at(source, at, load<std::uint32_t>(parts.header.data() + 243), true, parts.extended));
+  }
+  BOOST_OUTCOME_TRYV(read_waveforms(source, parts));
   return parts;
 }
 

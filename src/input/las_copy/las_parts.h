@@ -17,6 +17,9 @@
 
 namespace tessera {
 
+// Where the header says at which byte the record of waveforms begins, since LAS 1.3.
+inline constexpr std::size_t waveforms_at = 227;
+
 // Bytes of a source.
 struct SourceBytes {
   std::uint64_t at = 0, bytes = 0;
@@ -29,6 +32,7 @@ struct LasRecord {
   std::optional<std::vector<std::byte>> payload = {};  // the payload of the copy, when it differs
 
   bool extended() const { return head.size() == 60; }
+  std::uint64_t begins_at() const { return source.at - head.size(); }  // in the input
   bool is(std::string_view user, std::uint16_t id) const;
   std::uint64_t payload_bytes() const { return payload ? payload->size() : source.bytes; }
   std::uint64_t bytes() const { return head.size() + payload_bytes(); }
@@ -38,9 +42,13 @@ struct LasParts {
   std::vector<std::byte> header;  // as long as the header says
   std::vector<LasRecord> records, extended;
   SourceBytes gap;  // bytes between the last record and the points
+  // The record of waveforms, where the header alone says where it is: in LAS 1.3, which has no list of extended
+  // records.
+  std::optional<LasRecord> waveforms = {};
 };
 
-// The error is that of the source. REQUIRES: `header` is that of `source`.
+// Errors: those of the source; bad_input when the record of waveforms is not where the header says. REQUIRES: `header`
+// is that of `source`.
 Result<LasParts> read_las_parts(const ByteSource& source, const LasHeader& header);
 Result<std::vector<std::byte>> read_payload(const ByteSource& source, const LasRecord& record);
 // A record that the input does not have. REQUIRES: user has at most 16 bytes, description 32, payload 65535.

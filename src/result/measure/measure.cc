@@ -102,13 +102,17 @@ std::string unit_of(const Manifest& manifest, int exponent) {
   return units.horizontal + (exponent == 1 ? "" : "^" + std::to_string(exponent));
 }
 
+Status check_measure_options(const MeasureOptions& options) {
+  if (options.volume || options.quality || options.voronoi) return success();
+  return error(Errc::usage, "there is nothing to measure; " + option("volume", "true") + " and " +
+                                option("quality", "true") + " measure cells, " + option("voronoi", "true") +
+                                " measures the Voronoi cells of vertices");
+}
+
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
-  if (!options.volume && !options.quality && !options.voronoi)
-    return error(Errc::usage, "there is nothing to measure; " + option("volume", "true") + " and " +
-                                  option("quality", "true") + " measure cells, " + option("voronoi", "true") +
-                                  " measures the Voronoi cells of vertices");
+  BOOST_OUTCOME_TRYV(check_measure_options(options));
   // Also when the columns exist: this removes what an ended writer has left, and older versions.
-  BOOST_OUTCOME_TRY(next, NewVersion::begin(out));
+  BOOST_OUTCOME_TRY(next, NewVersion::begin(out, options.lock));
   const Manifest& manifest = next->source().manifest();
   if (options.voronoi && manifest.region)
     return error(Errc::usage, out.string() +
@@ -164,13 +168,23 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
 
 std::string to_json(const Measured& measured) {
   using Json = nlohmann::ordered_json;
-  Json names = Json::array();
-  for (const auto& column : measured.columns) names.push_back(column.name);
+  Json names = Json::array(), of_cells = Json::array();
+  for (const auto& column : measured.columns) {
+    names.push_back(column.name);
+    if (column.of_cells) of_cells.push_back(column.name);
+  }
   const bool finite = measured.total && std::isfinite(*measured.total);
-  const Json object{
-      {"event", "measured"},   {"output", measured.folder.string()}, {"version", measured.version},
-      {"made", measured.made}, {"columns", std::move(names)},        {"total", finite ? Json(*measured.total) : Json()},
-      {"unit", measured.unit}, {"infinite", measured.infinite},      {"note", measured.note}};
+  const Json object{{"event", "measured"},
+                    {"output", measured.folder.string()},
+                    {"version", measured.version},
+                    {"made", measured.made},
+                    {"columns", std::move(names)},
+                    {"columns_of_cells", std::move(of_cells)},
+                    {"total", finite ? Json(*measured.total) : Json()},
+                    {"total_of", measured.total_of},
+                    {"unit", measured.unit},
+                    {"infinite", measured.infinite},
+                    {"note", measured.note}};
   return json_text(object);
 }
 

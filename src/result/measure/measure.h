@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/files/folder_lock.h"
 #include "src/base/result.h"
 
 namespace tessera {
@@ -24,6 +25,7 @@ struct MeasureOptions {
   unsigned threads = 0;                   // 0: one
   std::vector<std::string> command = {};  // for the manifest
   std::string software_version = {};
+  LockOptions lock = {};  // of the result folder
   // Called with the fraction that is done, 0..1, by one thread at a time; may be null.
   std::function<void(double)> progress = {};
 };
@@ -46,7 +48,10 @@ struct Measured {
   std::string note;            // a remark about the values; else empty
 };
 
-// Errors: usage when there is nothing to measure, when an attribute has the name of a column, and when another process
+// Error usage when there is nothing to measure.
+Status check_measure_options(const MeasureOptions& options);
+
+// Errors: that of check_measure_options(); usage when an attribute has the name of a column, and when another process
 // works in the folder; io, also when the disk has too little room for a new version; corrupt; memory; interrupted.
 Result<Measured> measure(const std::filesystem::path& out, const MeasureOptions& options, std::stop_token stop);
 

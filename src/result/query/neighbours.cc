@@ -1,24 +1,10 @@
 #include "src/result/query/neighbours.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "src/base/json/json_text.h"
 
 namespace tessera::query {
-
-Result<Neighbours> neighbours(const StoredTriangulation& stored, PointId id, std::optional<TileId> owner,
-                              const AskOptions& options) {
-  BOOST_OUTCOME_TRY(star, stored.star(id, owner, options));
-  Neighbours found{.asked = id,
-                   .vertex = star.vertex.id,
-                   .ids = {},
-                   .on_hull = std::isinf(star.voronoi_volume),
-                   .final = star.final};
-  found.ids.reserve(star.neighbors.size());
-  for (const Vertex& neighbour : star.neighbors) found.ids.push_back(neighbour.id);
-  return found;
-}
 
 std::string text_of(const Neighbours& found, bool part) {
   std::string text;

@@ -77,9 +77,33 @@ Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const 
   return std::optional(pair->kept);
 }
 
-}  // namespace
+// The cells around a vertex, in the tile that owns it.
+struct Around {
+  const QueryTile* tile = nullptr;
+  std::int32_t vertex = -1;
+  std::vector<std::int32_t> cells;
+  bool closed = true;  // no neighbour across a facet with the vertex is unknown
+  bool final = true;   // these are exactly the cells around it in the whole triangulation
+};
 
-Result<Star> star_of(const OpenedResult& result, PointId id, std::optional<TileId> owner, const AskOptions& options) {
+// Finds the tile that owns the vertex; for a duplicate, that of the kept point, and sets `id` to it.
+Result<TileId> find_owner(const OpenedResult& result, PointId& id, const AskOptions& options) {
+  const Manifest& manifest = result.manifest;
+  BOOST_OUTCOME_TRY(found, result.owner_of(id, options.stop));
+  if (found) return *found;
+  BOOST_OUTCOME_TRY(kept, kept_for(result.out, manifest, id));
+  if (manifest.region)
+    return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
+                                  " of the input is a vertex of no cell of this region");
+  if (!kept || *kept == id)
+    return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
+                                  " of the input is no vertex: it was left out as invalid or filtered");
+  id = *kept;
+  return find_owner(result, id, options);
+}
+
+Result<Around> cells_around(const OpenedResult& result, PointId id, std::optional<TileId> owner,
+                            const AskOptions& options, Walker& walker) {
   const Manifest& manifest = result.manifest;
   if (id.value >= manifest.points_read)
     return error(Errc::usage, result.out.string() + ": has no vertex " + to_string(id) + "; the input had " +
@@ -88,52 +112,81 @@ Result<Star> star_of(const OpenedResult& result, PointId id, std::optional<TileI
   if (owner && std::none_of(tiles.begin(), tiles.end(), [&](const TileEntry& entry) { return entry.tile == *owner; }))
     return error(Errc::usage, result.out.string() + ": has no tile " + to_string(*owner));
   if (!owner) {
-    BOOST_OUTCOME_TRY(found, result.owner_of(id, options.stop));
-    if (!found) {
-      BOOST_OUTCOME_TRY(kept, kept_for(result.out, manifest, id));
-      if (manifest.region)
-        return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
-                                      " of the input is a vertex of no cell of this region");
-      if (!kept || *kept == id)
-        return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
-                                      " of the input is no vertex: it was left out as invalid or filtered");
-      return star_of(result, *kept, std::nullopt, options);
-    }
-    owner = found;
+    BOOST_OUTCOME_TRY(known, find_owner(result, id, options));
+    owner = known;
   }
-  Walker walker(result.cache, manifest, false);
+  Around found;
   BOOST_OUTCOME_TRY(tile, walker.tile(*owner));
-  const std::int32_t vertex = tile->own_vertex(id);
-  if (vertex < 0)
+  found.tile = tile;
+  found.vertex = tile->own_vertex(id);
+  if (found.vertex < 0)
     return error(Errc::usage, result.out.string() + ": tile " + to_string(*owner) + " has no vertex " + to_string(id));
-  Star star;
-  star.vertex = vertex_at(*tile, vertex);
-  std::vector<std::int32_t> cells;
   if (manifest.region) {
     BOOST_OUTCOME_TRY(tree, result.part_tree());
-    cells = around_in_part(*tile, *tree, vertex, star.final);
+    found.cells = around_in_part(*tile, *tree, found.vertex, found.final);
   } else {
-    BOOST_OUTCOME_TRY(found, tile->around(vertex));
-    cells = std::move(found);
+    BOOST_OUTCOME_TRY(cells, tile->around(found.vertex));
+    found.cells = std::move(cells);
   }
-  const bool closed = is_closed(*tile, vertex, cells);
-  star.final = star.final && closed;
-  star.voronoi_volume = closed ? voronoi_volume(*tile, vertex, cells) : std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::int32_t> neighbors;
-  for (const std::int32_t cell : cells) {
-    BOOST_OUTCOME_TRY(main, walker.main_place({tile, cell}));
+  found.closed = is_closed(*tile, found.vertex, found.cells);
+  found.final = found.final && found.closed;
+  return found;
+}
+
+// The vertices that share an edge with the vertex, by id.
+std::vector<std::int32_t> neighbours_in(const Around& of) {
+  const QueryTile& tile = *of.tile;
+  std::vector<std::int32_t> neighbours;
+  for (const std::int32_t cell : of.cells)
+    for (std::size_t k = 0; k < tile.corners(); ++k)
+      if (tile.vertex(cell, k) != of.vertex) neighbours.push_back(tile.vertex(cell, k));
+  std::sort(neighbours.begin(), neighbours.end(),
+            [&](std::int32_t a, std::int32_t b) { return tile.id_of(a) < tile.id_of(b); });
+  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+  return neighbours;
+}
+
+bool on_hull(const Around& of) {
+  const QueryTile& tile = *of.tile;
+  for (const std::int32_t cell : of.cells)
+    for (std::size_t k = 0; k < tile.corners(); ++k)
+      if (tile.vertex(cell, k) != of.vertex && tile.neighbor(cell, k) < 0) return true;
+  return false;
+}
+
+}  // namespace
+
+Result<Star> star_of(const OpenedResult& result, PointId id, std::optional<TileId> owner, const AskOptions& options) {
+  Walker walker(result.cache, result.manifest, false);
+  BOOST_OUTCOME_TRY(found, cells_around(result, id, owner, options, walker));
+  const QueryTile& tile = *found.tile;
+  Star star;
+  star.vertex = vertex_at(tile, found.vertex);
+  star.final = found.final;
+  star.voronoi_volume =
+      found.closed ? voronoi_volume(tile, found.vertex, found.cells) : std::numeric_limits<double>::quiet_NaN();
+  for (const std::int32_t cell : found.cells) {
+    BOOST_OUTCOME_TRY(main, walker.main_place({&tile, cell}));
     star.cells.push_back(cell_at(main));
-    star.cells.back().final = tile->is_final(cell);
-    for (std::size_t k = 0; k < tile->corners(); ++k)
-      if (tile->vertex(cell, k) != vertex) neighbors.push_back(tile->vertex(cell, k));
+    star.cells.back().final = tile.is_final(cell);
   }
-  std::sort(neighbors.begin(), neighbors.end(),
-            [&](std::int32_t a, std::int32_t b) { return tile->id_of(a) < tile->id_of(b); });
-  neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
-  for (const std::int32_t v : neighbors) star.neighbors.push_back(vertex_at(*tile, v));
+  for (const std::int32_t v : neighbours_in(found)) star.neighbors.push_back(vertex_at(tile, v));
   std::sort(star.cells.begin(), star.cells.end(),
             [](const Cell& a, const Cell& b) { return a.tile != b.tile ? a.tile < b.tile : a.cell < b.cell; });
   return star;
+}
+
+Result<Neighbours> neighbours_of(const OpenedResult& result, PointId id, std::optional<TileId> owner,
+                                 const AskOptions& options) {
+  Walker walker(result.cache, result.manifest, false);
+  BOOST_OUTCOME_TRY(found, cells_around(result, id, owner, options, walker));
+  Neighbours told{.asked = id,
+                  .vertex = found.tile->id_of(found.vertex),
+                  .ids = {},
+                  .on_hull = found.closed && on_hull(found),
+                  .final = found.final};
+  for (const std::int32_t v : neighbours_in(found)) told.ids.push_back(found.tile->id_of(v));
+  return told;
 }
 
 }  // namespace tessera::query

@@ -79,6 +79,11 @@ Result<Star> StoredTriangulation::star(PointId id, std::optional<TileId> owner, 
   return star_of(*result_, id, owner, options);
 }
 
+Result<Neighbours> StoredTriangulation::neighbours(PointId id, std::optional<TileId> owner,
+                                                   const AskOptions& options) const {
+  return neighbours_of(*result_, id, owner, options);
+}
+
 Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& limits,
                                            const AskOptions& options) const {
   return cells_of(*result_, area, limits, options);

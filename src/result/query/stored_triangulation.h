@@ -70,6 +70,15 @@ struct Star {
   bool final = true;  // these are exactly the cells around it in the whole triangulation; else the volume may be NaN
 };
 
+// The vertices that share an edge with a vertex.
+struct Neighbours {
+  PointId asked;             // the source index of the question
+  PointId vertex;            // for a duplicate the kept point; else the same
+  std::vector<PointId> ids;  // source indices, ascending
+  bool on_hull = false;
+  bool final = true;  // these are all neighbours in the whole triangulation, too
+};
+
 struct CellLimits {
   std::uint64_t bytes_max = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t cells_max = std::numeric_limits<std::uint64_t>::max();
@@ -140,6 +149,8 @@ class StoredTriangulation {
   // The star of a vertex. For a duplicate, the star of the kept point. `owner` is the tile of the vertex, if it is
   // known; else tiles are read until the vertex is found. Error usage when no vertex has this index.
   Result<Star> star(PointId id, std::optional<TileId> owner, const AskOptions& options) const;
+  // The neighbours of a vertex, likewise. Reads only the tile that owns the vertex.
+  Result<Neighbours> neighbours(PointId id, std::optional<TileId> owner, const AskOptions& options) const;
 
   // The cells that meet the closed area, each once. Errors: memory when they exceed the limits, as soon as that is
   // known; usage for a plane and a 2D result.

@@ -100,7 +100,9 @@ const std::map<std::string, std::vector<std::string>>& required_fields() {
       {"RegionInputs", {"inputs"}},
       {"DemInputs", {"triangulation", "res"}},
       {"ContoursInputs", {"triangulation", "interval"}},
-      {"SurfaceInputs", {"triangulation"}}};
+      {"SurfaceInputs", {"triangulation"}},
+      {"HagInputs", {"inputs", "triangulation"}},
+      {"MeasureInputs", {"triangulation"}}};
   return fields;
 }
 

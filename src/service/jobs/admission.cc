@@ -110,9 +110,12 @@ std::optional<proto::Problem> Admission::beside_others(const proto::JobRecord& j
       bytes_of_caller += other.record.inputs().ByteSizeLong();
     }
     if (name.empty() || other.record.triangulation() != name) continue;
-    // A job that makes a triangulation must be alone on it. Others may read it together, but not write the same export.
+    // A job that makes a triangulation must be alone on it. Others may read it together, also while one of them adds
+    // columns, because those become a new version; but they may not write the same export.
     if (makes_result(inputs) || makes_result(other.record.inputs()))
       return clash("triangulation '" + name + "': job " + id + " works on it; wait for that job to end, or dismiss it");
+    if (changes_result(inputs) && changes_result(other.record.inputs()))
+      return clash("triangulation '" + name + "': job " + id + " adds columns to it; wait for that job to end");
     if (output && export_output(other.record.inputs()) == output)
       return clash("output: job " + id + " already writes the export '" + *output +
                    "'; wait for that job, or choose another name");
@@ -154,6 +157,13 @@ std::optional<proto::Problem> Admission::in_its_place(const proto::JobRecord& jo
     }();
     if (!taken) return problem_of(taken.error());
     if (taken.value()) return judge("there is a triangulation called '" + name + "' already", owner_of_result(name));
+  }
+  if (changes_result(inputs)) {
+    const auto owner = owner_of_result(name);
+    if (!owner) return problem_of(owner.error());
+    if (may_remove(owner.value(), caller)) return std::nullopt;
+    return problem(403, "triangulation: only the owner of '" + name + "' or an admin may add columns to it",
+                   Errc::usage);
   }
   const auto output = export_output(inputs);
   const auto taken = output ? folders_.export_exists(name, *output) : Result<bool>(false);

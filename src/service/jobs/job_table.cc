@@ -104,6 +104,14 @@ void JobTable::tell_status(const Job& job) {
   events.tell(std::move(event));
 }
 
+std::uint64_t JobTable::memory_used() const {
+  std::uint64_t bytes = 0;
+  for (const auto& id : active) {
+    if (const auto& running = jobs.at(id)->running) bytes += running->progress.memory_bytes;
+  }
+  return bytes;
+}
+
 std::vector<proto::Event> JobTable::statuses(std::string_view id) const {
   std::vector<proto::Event> told;
   for (const auto& [name, job] : jobs) {

@@ -58,6 +58,8 @@ class JobTable {
   // 404, or 410 for a job that was removed.
   Reply<std::shared_ptr<Job>> find(std::string_view id) const;
   void tell_status(const Job& job);
+  // The memory that running jobs use in this process.
+  std::uint64_t memory_used() const;
   // Events with the status of one job, or of all (""); for those who missed earlier events.
   std::vector<proto::Event> statuses(std::string_view id) const;
 

@@ -46,6 +46,7 @@ constinit const Process contours_process{
     .description =
         "Draws the contour lines of a 2D result. With the output contours.gpkg they are also a collection of features.",
     .outcome = "The file, by reference",
+    .reads = Process::Reads::a_result,
     .makes = Process::Makes::file,
     .costs = Process::Costs::before_it_waits,
     .usual_output = usual_lines,

@@ -11,6 +11,7 @@
 #include "src/input/column_names.h"
 #include "src/job/arguments.h"
 #include "src/job/report/human.h"
+#include "src/result/heights/copies.h"
 #include "src/service/json.h"
 #include "src/tiling/partition.h"
 
@@ -162,6 +163,8 @@ std::string beyond_share(const proto::Inputs& inputs, const JobShare& share) {
   if (inputs.has_dem()) look(inputs.dem());
   if (inputs.has_contours()) look(inputs.contours());
   if (inputs.has_surface()) look(inputs.surface());
+  if (inputs.has_hag()) look(inputs.hag());
+  if (inputs.has_measure()) look(inputs.measure());
   return told;
 }
 
@@ -219,6 +222,32 @@ Result<ExportOptions> export_options(const proto::ExportInputs& inputs) {
   }
   options.local = inputs.local();
   options.overwrite = inputs.overwrite();
+  return options;
+}
+
+Result<HeightsOptions> heights_options(const proto::HagInputs& inputs, const JobShare& share) {
+  HeightsOptions options;
+  if (inputs.has_format()) {
+    const auto packing = parse_las_packing(inputs.format());
+    if (!packing) return refuse("format", packing.error().where);
+    options.packing = packing.value();
+  }
+  if (inputs.has_outside()) {
+    if (!std::isfinite(inputs.outside())) return refuse("outside", "must be finite");
+    options.outside = inputs.outside();
+  }
+  options.replace = inputs.replace();
+  BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
+  options.threads = own.threads;
+  return options;
+}
+
+Result<MeasureOptions> measure_options(const proto::MeasureInputs& inputs, const JobShare& share) {
+  MeasureOptions options{.volume = inputs.volume(), .quality = inputs.quality(), .voronoi = inputs.voronoi()};
+  BOOST_OUTCOME_TRYV(check_measure_options(options));
+  BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
+  options.memory_bytes = own.memory_bytes;
+  options.threads = own.threads;
   return options;
 }
 

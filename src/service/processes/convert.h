@@ -10,6 +10,8 @@
 #include "src/job/job_options.h"
 #include "src/job/region_job.h"
 #include "src/result/export/export.h"
+#include "src/result/heights/heights.h"
+#include "src/result/measure/measure.h"
 #include "src/result/verify/verify.h"
 
 namespace tessera::service {
@@ -34,6 +36,8 @@ Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const
 // Leaves `scratch` to the caller, because it is the service's.
 Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const JobShare& share);
 Result<ExportOptions> export_options(const proto::ExportInputs& inputs);
+Result<HeightsOptions> heights_options(const proto::HagInputs& inputs, const JobShare& share);
+Result<MeasureOptions> measure_options(const proto::MeasureInputs& inputs, const JobShare& share);
 
 // Describes what is asked for beyond the share, with marks for options: "memory: 4.00 GiB asked for, a job has 1.00 GiB
 // here; ..."; empty when nothing is. Threads and memory are upper bounds, and less of them gives the same result. So

@@ -46,6 +46,7 @@ constinit const Process dem_process{
         "Draws the surface of a 2D result as a raster, a Cloud Optimized GeoTIFF. With the output dem.tif it is also a "
         "map.",
     .outcome = "The file, by reference",
+    .reads = Process::Reads::a_result,
     .makes = Process::Makes::file,
     .costs = Process::Costs::before_it_waits,
     .usual_output = usual_raster,

@@ -83,6 +83,7 @@ constinit const Process info_process{
     .description =
         "Describes input files or a result. The answer comes at once, unless Prefer: respond-async makes it a job.",
     .outcome = "The description of the files or of the result",
+    .reads = Process::Reads::perhaps_a_result,
     .waits = true,
     .check_options = check_info_options,
     .check = check_info,

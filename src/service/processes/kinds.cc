@@ -35,6 +35,7 @@ std::string process_of(const proto::Inputs& inputs) {
 
 bool makes_result(const proto::Inputs& inputs) { return makes(inputs, Process::Makes::result); }
 
+bool changes_result(const proto::Inputs& inputs) { return makes(inputs, Process::Makes::columns); }
 std::string result_output(const proto::Inputs& inputs) { return makes_result(inputs) ? text_of(inputs, "output") : ""; }
 
 std::optional<std::string> export_output(const proto::Inputs& inputs) {

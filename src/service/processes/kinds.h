@@ -13,6 +13,8 @@ std::string process_of(const proto::Inputs& inputs);
 
 // True if the process makes a result, which is named `output`.
 bool makes_result(const proto::Inputs& inputs);
+// True if the process makes a new version of the result that it reads.
+bool changes_result(const proto::Inputs& inputs);
 // The requested name of the result that the process makes; may be empty.
 std::string result_output(const proto::Inputs& inputs);
 // The name of the file that the process makes below a result's exports, if it makes one.

@@ -45,8 +45,10 @@ std::optional<proto::Problem> Processes::check(const proto::Inputs& inputs, std:
   }
   if (const auto output = export_output(inputs))
     if (auto bad = check_field_name("output", *output)) return bad;
-  // Some processes read a result or files.
-  if (const auto name = result_read(inputs); process->waits ? !name.empty() : !makes_result(inputs)) {
+  const auto name = result_read(inputs);
+  const bool reads = process->reads == Process::Reads::a_result ||
+                     (process->reads == Process::Reads::perhaps_a_result && !name.empty());
+  if (reads) {
     if (auto bad = check_exists(shop_.results, name)) return bad;
     triangulation = name;
   }

@@ -8,7 +8,9 @@ namespace tessera::service {
 extern const Process contours_process;
 extern const Process dem_process;
 extern const Process export_process;
+extern const Process hag_process;
 extern const Process info_process;
+extern const Process measure_process;
 extern const Process region_process;
 extern const Process surface_process;
 extern const Process triangulate_process;

@@ -63,6 +63,7 @@ constinit const Process surface_process{
         "Makes a closed surface of a 3D result, whose triangles are facets of the triangulation. Without output the "
         "file is called surface.ply.",
     .outcome = "The file, by reference",
+    .reads = Process::Reads::a_result,
     .makes = Process::Makes::file,
     .usual_output = usual_surface,
     .check_options = check_surface_options,

@@ -54,6 +54,7 @@ constinit const Process verify_process{
     .title = "Verify",
     .description = "Proves that a result is the Delaunay triangulation of its points.",
     .outcome = "What was proved",
+    .reads = Process::Reads::a_result,
     .check_options = check_verify_options,
     .check = check_verify,
     .run = verify};

@@ -23,7 +23,7 @@ proto::Neighbours message_of(const query::Neighbours& found, bool part) {
 Result<QuestionAnswer> answer_neighbours(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRY(vertex, asked.vertex());
   BOOST_OUTCOME_TRY(owner, asked.owner());
-  BOOST_OUTCOME_TRY(found, query::neighbours(asked.reader.stored, vertex, owner, asked.ask));
+  BOOST_OUTCOME_TRY(found, asked.reader.stored.neighbours(vertex, owner, asked.ask));
   if (asked.question.as_message) return in_bytes(message_of(found, asked.is_part()).SerializeAsString(), found.final);
   return QuestionAnswer{.text = json_of(found, asked.is_part()), .type = json_type, .final = found.final};
 }

@@ -1,0 +1,109 @@
+#include "src/service/processes/helps.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace tessera::service {
+namespace {
+
+// What the inputs of all processes mean, by name: equal names mean the same.
+constexpr std::pair<const char*, const char*> helps[] = {
+    {"inputs", "Files, folders or patterns below the folders that the service has for inputs, or upload:NAME/FILE."},
+    {"output", "The name of the result or file that the job makes; default: the service chooses one."},
+    {"dim",
+     "The dimension of the triangulation, 2 (x and y alone) or 3; default: 3, or 2 when the files hold x and y "
+     "alone."},
+    {"tiles", "The number of tiles; default: chosen from memory and threads."},
+    {"tile_points", "How many points a tile may hold at most; default: chosen from memory and threads."},
+    {"partition", "How space is split into tiles: kdtree (default), grid, octree, or random, which is for tests."},
+    {"threads", "How many threads the job may use."},
+    {"memory", "How much memory the job may use: a number with K, M, G or T."},
+    {"kernel", "The Delaunay kernel, which triangulates each tile: flat (default) or cgal."},
+    {"store",
+     "What the result stores of its tiles: cells; points, which takes a tenth of the bytes; or auto (default), which "
+     "stores points for clouds of more than 50 million points."},
+    {"neighbors", "Also store the neighbours of each cell; without them the files are half as large."},
+    {"crop", "Keep only points in this box: the coordinates of its lower corner, then of its upper corner."},
+    {"class", "Keep only points of these LAS classes."},
+    {"attributes", "The attributes of the points that the result carries, by name; all means all of them."},
+    {"resolution",
+     "COPC files: read only the octree levels down to the first whose points are at most this far apart; default: "
+     "all levels."},
+    {"columns",
+     "Text and NumPy files: the names of the columns, in order: x, y, z, the name of an attribute, or _ for a column "
+     "to leave out."},
+    {"crs", "The coordinate system of all input files, whatever the files say: EPSG:n or WKT."},
+    {"returns", "LAS files: keep all returns of each pulse (default), or only the first, last or single one."},
+    {"without", "LAS files: leave out points with one of these flags."},
+    {"recursive", "Also take the files in subfolders of input folders."},
+    {"overwrite", "Replace a result or file that already has the name of the output."},
+    {"keep",
+     "2D: which of several points with equal x and y becomes the vertex: the first (default), last, lowest or "
+     "highest."},
+    {"heights",
+     "2D: keep the heights: a result carries them as the attribute z, and files have them as the third coordinate."},
+    {"skip_invalid", "Leave out points with NaN or infinite coordinates and count them, instead of refusing the file."},
+    {"triangulation", "The name of a result."},
+    {"against_cgal", "Also compare the result with a triangulation that CGAL computes in memory."},
+    {"format", "The format of the file; default: the format of the ending of output, or of copies that of each file."},
+    {"local",
+     "ply, obj, off, stl: write coordinates relative to the lower corner of the result's box, for programs that keep "
+     "them as floats."},
+    {"spatial_index", "GeoPackage: also write a spatial index of the cells."},
+    {"max_edge", "Leave out cells with a longer edge."},
+    {"stats", "Also read all points, and give statistics of them."},
+    {"bbox", "Only what is in this box: the coordinates of its lower corner, then of its upper corner."},
+    {"polygon", "The region, as text: polygons in GeoJSON, in the coordinates of the points."},
+    {"max_points", "Triangulate at most this many points; default: as many as the memory allows."},
+    {"max_seconds", "Give up after about this many seconds; default: never."},
+    {"partial",
+     "When max_points, max_seconds or the memory is used up, store the cells that are known, instead of failing."},
+    {"scan",
+     "Read all files once to see where their points are, instead of relying on the boxes that the files state."},
+    {"res", "The width and height of a pixel, in units of the coordinates."},
+    {"value", "The attribute of the vertices to draw; default: z, the heights."},
+    {"type", "The type of the pixels: float32 (default) or float64."},
+    {"hillshade", "Draw a hillshade of the surface instead of the heights."},
+    {"azimuth", "hillshade: the direction of the light, in degrees clockwise from north; default: 315."},
+    {"altitude", "hillshade: the height of the light above the horizon, in degrees; default: 45."},
+    {"interval", "The distance between levels, in units of the heights."},
+    {"base", "The height of one of the levels; default: 0."},
+    {"smooth",
+     "Draw lines of a smooth surface, the means of the surface in squares of this size; default: lines of the "
+     "surface itself."},
+    {"min_length", "Leave out lines that are shorter in the plane; default: keep all lines."},
+    {"sensor",
+     "Where the sensor was that saw the points: auto (default: the best that the points tell), vertical (straight "
+     "above), fields (attributes of the points), scan-angle, or point:X,Y,Z;..."},
+    {"lambda", "How much the quality of triangles counts; a larger number makes a smoother surface; default: 1."},
+    {"alpha", "How much a ray, the line from a point to its sensor, counts; default: 32."},
+    {"sigma",
+     "How far a point may be from the surface, in units of the coordinates; default: for each point from the length "
+     "of its edges."},
+    {"ray_length", "How far a ray goes towards its sensor, as a multiple of sigma; full: all the way; default: 100."},
+    {"bottom",
+     "What is below all points: closed (default): inside, and the surface has a bottom; open: inside, but the "
+     "surface has no bottom; free: outside."},
+    {"unknown", "What a place is that no ray has seen: solid (default) or empty."},
+    {"trim", "Leave out triangles with a longer edge; the surface is then not closed."},
+    {"manifold",
+     "Split vertices and edges where the surface touches itself, for programs that need a manifold; no vertex "
+     "moves."},
+    {"smoothing", "How many rounds of smoothing, which move the vertices; default: 0."},
+    {"index_every", "Every N-th level, from base on, is an index line; default: 5."},
+    {"outside", "The height of points outside of the hull of the ground; default: NaN."},
+    {"replace", "Replace the dimension HeightAboveGround that a file has already."},
+    {"volume", "The volume of each cell, and for each vertex that of the cells around it; for a 2D result areas."},
+    {"quality", "The shape of each cell: radius ratio, least and largest angle, circumradius."},
+    {"voronoi", "The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid."}};
+
+}  // namespace
+
+const char* help_of(std::string_view field) {
+  const auto help =
+      std::find_if(std::begin(helps), std::end(helps), [&](const auto& each) { return field == each.first; });
+  return help == std::end(helps) ? nullptr : help->second;
+}
+
+}  // namespace tessera::service
