@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tessera/delaunay.h"
+#include "tessera/density.h"
 #include "tessera/failure.h"
 #include "tessera/lines.h"
 #include "tessera/options.h"

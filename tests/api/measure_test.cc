@@ -48,7 +48,7 @@ TEST(MeasureOf, NothingIsRefusedInTheWordsOfTheLibrary) {
   auto t = triangulate(cloud("uniform", 2, 50), TriangulationOptions().dimension(2));
   EXPECT_EQ(std::string(failure_of([&] { t.measure({}); }).what()),
             "there is nothing to measure; volume(true) and quality(true) measure cells, voronoi(true) measures the "
-            "Voronoi cells of vertices");
+            "Voronoi cells of vertices, density(true) the densities of vertices");
 }
 
 }  // namespace

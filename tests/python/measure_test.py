@@ -59,7 +59,7 @@ class Measure(FolderTest):
 
     def test_nothing_to_measure_is_told(self):
         t = tessera.triangulate(clouds.random(50, 2))
-        with self.assertRaisesRegex(tessera.UsageError, "there is nothing to measure; volume=True and quality=True measure cells, voronoi=True measures the Voronoi cells of vertices"):
+        with self.assertRaisesRegex(tessera.UsageError, "there is nothing to measure; volume=True and quality=True measure cells, voronoi=True measures the Voronoi cells of vertices, density=True the densities of vertices"):
             t.measure()
 
 

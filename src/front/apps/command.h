@@ -40,7 +40,6 @@ Command add_track(CLI::App& root);
 Command add_materialise(CLI::App& root);
 Command add_measure(CLI::App& root);
 Command add_columns(CLI::App& root);
-Command add_density(CLI::App& root);
 Command add_certs(CLI::App& root);
 Command add_cluster(CLI::App& root);
 Command add_jobs(CLI::App& root);

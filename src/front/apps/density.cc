@@ -16,6 +16,7 @@
 #include "src/front/apps/one_step.h"
 #include "src/front/apps/percent_line.h"
 #include "src/front/apps/say.h"
+#include "src/front/apps/terrain_commands.h"
 #include "src/job/arguments.h"
 #include "src/job/report/human.h"
 

@@ -97,6 +97,10 @@ Result<GridRequest> check_request(const std::filesystem::path& out, const GridOp
                                   ": is a region, where not all cells around a vertex are known; densities "
                                   "need a whole triangulation");
   if (manifest.cells > cells_max) return error(Errc::usage, out.string() + ": has more cells than a grid can take");
+  // A box without heights has infinite ones.
+  if (options.box && std::isfinite(options.box->lo.z) != (manifest.dimension == 3))
+    return error(Errc::usage, option("bbox") + (manifest.dimension == 3 ? ": has 4 numbers, but a 3D result takes 6"
+                                                                        : ": has 6 numbers, but a 2D result takes 4"));
   BOOST_OUTCOME_TRY(quantity, Quantity::find(out, manifest, options.kind, options.names));
   BOOST_OUTCOME_TRY(
       grid, voxels_over(manifest.dimension, options.res, options.box.value_or(manifest.bounds), manifest.bounds));
