@@ -39,8 +39,8 @@ std::unique_ptr<TileMeasure> measure_quality(const TileSource& source, std::stop
 // the result is a whole triangulation.
 std::unique_ptr<TileMeasure> measure_voronoi(const TileSource& source, std::stop_token stop);
 
-// The density of each vertex (star_density.h). `mass` is the attribute that has the masses, or empty: each point has the
-// mass 1. Errors: those of VertexMasses::open(). REQUIRES: the result is a whole triangulation.
+// The density of each vertex (star_density.h). `mass` is the attribute that has the masses, or empty: each point has
+// the mass 1. Errors: those of VertexMasses::open(). REQUIRES: the result is a whole triangulation.
 Result<std::unique_ptr<TileMeasure>> measure_density(const TileSource& source, const std::string& mass,
                                                      std::uint64_t memory_bytes, std::stop_token stop);
 
