@@ -41,15 +41,15 @@ class Fields(DensityTest):
                     values, said = self.grid("--res", "0.11", "--field", "f", *options)
                     known = values[~np.isnan(values)]
                     self.assertEqual(len(known), said["known"])
-                    self.assertGreater(len(known), 50)
+                    self.assertGreater(len(known), 40)
                     np.testing.assert_allclose(known, value, rtol=1e-15 if value != 3e-310 else 1e-12)
 
     def test_linear_fields_and_their_derivatives(self):
         rng = np.random.default_rng(2)
         for d in 2, 3:
             slopes, start = rng.normal(size=(d, d)), rng.normal(size=d)
-            for points in (rng.random((400, d)), lattice(12 if d == 2 else 6, d, 0.2),
-                           np.vstack([rng.random((100, d)), np.full((1, d), 30.0)])):
+            for points in (np.vstack([rng.random((200, d)), lattice(2, d)]), lattice(12 if d == 2 else 6, d, 0.2),
+                           np.vstack([rng.random((100, d)), lattice(2, d), np.full((1, d), 30.0)])):
                 names = ["u", "v", "w"][:d]
                 self.triangulate(np.column_stack([points, points @ slopes.T + start]), "--tiles", "3", names=names)
                 box = ["--bbox", ",".join(["0.2"] * d + ["0.8"] * d)]  # within the hull
@@ -68,9 +68,9 @@ class Fields(DensityTest):
     def test_bytes_are_the_same_for_all_tiles_and_threads(self):
         rng = np.random.default_rng(3)
         for d in 2, 3:
-            points = rng.random((700, d))
+            points = rng.random((300, d))
             names = ["u", "v", "w"][:d]
-            cloud = np.column_stack([points, rng.normal(size=(700, d))])
+            cloud = np.column_stack([points, rng.normal(size=(300, d))])
             for options in (["--field", "u"], ["--divergence", ",".join(names)], ["--curl", ",".join(names)],
                             ["--field", "u", "--sample"]):
                 first = None

@@ -43,13 +43,13 @@ def lattice(side, d, step=1.0):
 def clouds(d):
     """Small ones, which fractions can take."""
     rng = np.random.default_rng(d)
-    n = 40 if d == 2 else 14
-    line = np.linspace(0, 1, 9)[:, None] * np.ones(d) + rng.normal(size=(9, d)) * 1e-9
+    n = 30 if d == 2 else 9
+    line = np.linspace(0, 1, 7)[:, None] * np.ones(d) + rng.normal(size=(7, d)) * 1e-9
     return {"lattice": (lattice(4 if d == 2 else 3, d), 1.0),
             "lattice, other voxels": (lattice(4 if d == 2 else 3, d, 0.1), 0.07),
             "random": (rng.random((n, d)), 0.3),
-            "large cells": (rng.random((d + 3, d)) * 2, 0.25),
+            "large cells": (rng.random((d + 2, d)) * 2, 0.25 if d == 2 else 0.4),
             "small cells": (rng.random((n, d)) * 0.1, 0.7),
             "far outlier": (np.vstack([rng.random((n - 1, d)), np.full((1, d), 40.0)]), 9.7),
-            "slivers": (np.vstack([line, np.eye(d)]), 0.21),
+            "slivers": (np.vstack([line, np.eye(d)]), 0.21 if d == 2 else 0.31),
             "far from the origin": (rng.random((n, d)) + 1e6, 0.3)}

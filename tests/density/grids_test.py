@@ -63,7 +63,7 @@ class Grids(DensityTest):
                               (["--res", "1"], "no file to write is given")):
             self.refused(USAGE, "density", self.out, *options, says=says)
         self.refused(USAGE, "density", flat, "-o", "a.npy", "--res", "1", "--bbox", "0,0,0,1,1,1", says="--bbox")
-        self.refused(USAGE, "density", self.out, flat, "-o", "a.npy", "--res", "1", says="give one result folder")
+        self.refused(USAGE, "density", self.out, flat, "-o", "a.npy", "--res", "1", says="is a result folder, and holds no input")
         self.assertEqual({p.name for p in self.folder.iterdir()}, before)
         self.write("there.npy", "mine")
         self.refused(USAGE, "density", self.out, "-o", "there.npy", "--res", "1", says="there.npy: exists already; --overwrite replaces it")
@@ -74,11 +74,11 @@ class Grids(DensityTest):
         rng = np.random.default_rng(5)
         rows = "\n".join("%r %r %r" % (x, y, x) for x, y in rng.random((500, 2)).tolist())
         cloud = self.write("cloud.txt", "x y f\n" + rows + "\n")
-        self.ok("region", cloud, "--bbox", "0.3,0.3,0.6,0.6", "-o", self.out, "--dim", "2", "--attributes", "f", "--quiet")
+        self.ok("region", cloud, "--bbox", "0.25,0.25,0.625,0.625", "-o", self.out, "--dim", "2", "--attributes", "f", "--quiet")
         self.refused(USAGE, "density", self.out, "--res", "0.1", "-o", "a.npy", says="densities need a whole triangulation")
         self.refused(USAGE, "measure", self.out, "--density", says="densities need a whole triangulation")
-        values, said = self.grid("--res", "0.1", "--field", "f", "--bbox", "0.3,0.3,0.6,0.6")
-        np.testing.assert_allclose(values, np.broadcast_to(np.array([[0.35], [0.45], [0.55]]), (3, 3)), atol=1e-12)
+        values, said = self.grid("--res", "0.125", "--field", "f", "--bbox", "0.25,0.25,0.625,0.625")
+        np.testing.assert_allclose(values, np.broadcast_to(np.array([[0.3125], [0.4375], [0.5625]]), (3, 3)), atol=1e-12)
 
     def test_a_damaged_tile_leaves_nothing(self):
         self.triangulate(lattice(9, 2), "--tiles", "3")

@@ -61,9 +61,9 @@ class Means(DensityTest):
     def test_bytes_are_the_same_for_all_tiles_threads_and_memory(self):
         rng = np.random.default_rng(9)
         for d in 2, 3:
-            for name, points in (("random", rng.random((1500, d)) * [1, 3, 2][:d]), ("lattice", lattice(30 if d == 2 else 9, d)),
+            for name, points in (("random", rng.random((600, d)) * [1, 3, 2][:d]), ("lattice", lattice(30 if d == 2 else 9, d)),
                                  ("spread", rng.random((400, d)) * 10.0 ** rng.integers(-6, 2, (400, d)))):
-                res = repr(float(np.ptp(points, axis=0).max()) / 50)
+                res = repr(float(np.ptp(points, axis=0).max()) / 25)
                 for options in ([], ["--sample"]):
                     first = None
                     for tiles, store, threads, memory in (1, "cells", 1, "4G"), (7, "points", 2, "64M"), (60, "cells", 3, "1G"):
