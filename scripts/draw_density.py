@@ -21,7 +21,7 @@ def main(tessera, target):
     with tempfile.TemporaryDirectory() as folder:
         grid = pathlib.Path(folder) / "density.tif"
         subprocess.run([tessera, "density", *block, "--dim", "2", "--res", "0.5", "-o", grid, "--quiet"], check=True)
-        density = gdal.Open(str(grid)).ReadAsArray()
+        density = gdal.Open(str(grid)).ReadAsArray().repeat(2, axis=0).repeat(2, axis=1)
     low, high = np.percentile(density[density > 0], [1, 99.8])
     place = np.clip(np.log(np.maximum(density, low) / low) / np.log(high / low), 0, 1) * (len(COLOURS) - 1)
     bands = [np.interp(place, np.arange(len(COLOURS)), COLOURS[:, band]).astype(np.uint8) for band in range(3)]
