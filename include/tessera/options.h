@@ -186,6 +186,11 @@ class TESSERA_PUBLIC MeasureRequest {
   // voronoi_boundary; infinite on the hull), voronoi_neighbours, and the centroid voronoi_x, voronoi_y, voronoi_z (NaN
   // on the hull). Failure: also usage for a region.
   MeasureRequest& voronoi(bool voronoi);
+  // The density of each vertex, as column density: (dimension + 1) times its mass, divided by the volume of the cells
+  // around it. Each point has the mass 1, duplicates included. Failure: also usage for a region.
+  MeasureRequest& density(bool density);
+  // The attribute of the vertices that has their masses, for density(); the column is then density_NAME.
+  MeasureRequest& mass(const std::string& name);
   // The memory for tiles; 0, the default: 70 % of the free memory.
   MeasureRequest& memory_bytes(std::uint64_t bytes);
   // 0, the default: all processors.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tessera/delaunay.h"
+#include "tessera/density.h"
 #include "tessera/failure.h"
 #include "tessera/heights.h"
 #include "tessera/lines.h"

@@ -64,6 +64,8 @@ void bind_options(py::module_& module) {
       .def("volume", setter(&MeasureRequest::volume))
       .def("quality", setter(&MeasureRequest::quality))
       .def("voronoi", setter(&MeasureRequest::voronoi))
+      .def("density", setter(&MeasureRequest::density))
+      .def("mass", setter(&MeasureRequest::mass))
       .def("memory_bytes", setter(&MeasureRequest::memory_bytes))
       .def("threads", setter(&MeasureRequest::threads));
 }

@@ -1,4 +1,4 @@
-// Binds rasters, contour lines and profiles of results, regions of raw clouds, and heights above the ground.
+// Binds rasters, contour lines, profiles and densities of results, regions of raw clouds, and heights above the ground.
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -9,6 +9,7 @@
 #include "python/bindings/interruptible.h"
 #include "python/bindings/views.h"
 #include "tessera/heights.h"
+#include "tessera/density.h"
 #include "tessera/lines.h"
 #include "tessera/raster.h"
 #include "tessera/region.h"
@@ -98,6 +99,36 @@ std::string write_table(const Triangulation& self, const Coordinates& line, cons
       [&](std::stop_token stop) { return write_profile(self, span, target, request.stop(std::move(stop))); });
 }
 
+DensityRequest density_request(double res, const std::vector<double>& bbox, const std::string& kind,
+                               const std::vector<std::string>& names, const std::string& mass, bool sample,
+                               std::uint64_t memory_bytes, unsigned threads) {
+  DensityRequest request(res);
+  if (!bbox.empty()) request.bbox(bbox);
+  if (kind == "field") request.field(names.front());
+  if (kind == "divergence") request.divergence(names);
+  if (kind == "curl") request.curl(names);
+  request.mass(mass).sample(sample).memory_bytes(memory_bytes).threads(threads);
+  return request;
+}
+
+// Returns (array, origin, mass, mass of the grid, note).
+py::tuple density(const Triangulation& self, DensityRequest request) {
+  auto* grid = new DensityGrid;
+  const py::capsule owner(grid, [](void* memory) { delete static_cast<DensityGrid*>(memory); });
+  *grid = run_interruptible([&](std::stop_token stop) { return draw_density(self, request.stop(std::move(stop))); });
+  std::vector<py::ssize_t> shape(grid->size.rbegin(), grid->size.rend());
+  if (grid->components > 1) shape.push_back(static_cast<py::ssize_t>(grid->components));
+  return py::make_tuple(py::array(py::dtype::of<double>(), shape, grid->values.data(), owner),
+                        py::tuple(py::cast(grid->origin)), grid->mass, grid->grid_mass, grid->note);
+}
+
+std::string write_grid(const Triangulation& self, const std::filesystem::path& target, DensityRequest request,
+                       bool overwrite) {
+  request.overwrite(overwrite);
+  return run_interruptible(
+      [&](std::stop_token stop) { return write_density(self, target, request.stop(std::move(stop))); });
+}
+
 Triangulation region(const std::vector<std::string>& inputs, const std::vector<double>& box,
                      TriangulationOptions options, const RegionRequest& request, const py::object& warn) {
   std::vector<std::string> warnings;
@@ -129,6 +160,9 @@ void bind_surfaces(py::module_& module) {
   py::class_<ProfileRequest>(module, "ProfileRequest").def(py::init(&profile_request));
   module.def("draw_profile", &profile);
   module.def("write_profile", &write_table);
+  py::class_<DensityRequest>(module, "DensityRequest").def(py::init(&density_request));
+  module.def("draw_density", &density);
+  module.def("write_density", &write_grid);
   py::class_<RegionRequest>(module, "RegionRequest")
       .def(py::init<>())
       .def("scan", [](RegionRequest& self, bool scan) { self.scan(scan); })

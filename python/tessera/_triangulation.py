@@ -16,6 +16,7 @@ from . import _tessera
 from ._errors import UsageError
 from ._options import Path, memory_bytes
 from ._questions import Answers
+from ._densities import Densities
 from ._surfaces import Surfaces
 from ._tile import Tile, cell_word
 
@@ -106,7 +107,7 @@ class Tiles(collections.abc.Sequence):
         return f"<tessera.Tiles: {len(self)} of {self._of!r}>"
 
 
-class Triangulation(Answers, Surfaces):
+class Triangulation(Answers, Surfaces, Densities):
     """A finished triangulation on disk, from triangulate(), region() or open(): a sequence of tiles.
 
     `len(t)` is the number of tiles with points. `t[i]` reads a tile from disk. `for tile in t` reads one tile after the
@@ -294,7 +295,7 @@ class Triangulation(Answers, Surfaces):
         return Columns(self)
 
     def measure(self, volume: bool = False, memory: int | str | None = None, threads: int = 0,
-                quality: bool = False, voronoi: bool = False) -> Measures:
+                quality: bool = False, voronoi: bool = False, density: bool = False, mass: str | None = None) -> Measures:
         """Computes columns and adds them to the result folder, as a new version of the result. This object becomes the
         new version.
 
@@ -315,6 +316,11 @@ class Triangulation(Answers, Surfaces):
             The Voronoi cell of each vertex: t.columns["voronoi_volume"] and "voronoi_surface" (in 2D "voronoi_area" and
             "voronoi_boundary"; infinite on the hull), "voronoi_neighbours", and the centroid "voronoi_x", "voronoi_y",
             "voronoi_z" (NaN on the hull).
+        density
+            The density of each vertex, as t.columns["density"]: (dimension + 1) times its mass, divided by the volume of
+            the cells around it. Each point has the mass 1, duplicates included.
+        mass
+            The attribute of the vertices that has their masses, for density; the column is then "density_NAME".
 
         Other programs can read the result at the same time. Ctrl-C leaves the result as it was. Existing columns are
         not computed again. Warns with a UserWarning if there is something to say about the values.
@@ -323,6 +329,8 @@ class Triangulation(Answers, Surfaces):
         request.volume(volume)
         request.quality(quality)
         request.voronoi(voronoi)
+        request.density(density)
+        request.mass(mass or "")
         request.memory_bytes(memory_bytes(memory))
         request.threads(threads)
         total, unit, made, note = self._triangulation.measure(request)

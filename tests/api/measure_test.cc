@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "tests/api/api_testing.h"
 
@@ -44,11 +45,30 @@ TEST(MeasureOf, AResultIsANewVersionOfItAndCopiesStayAtTheOldOne) {
   EXPECT_EQ(t.verify().cells(), t.cells());
 }
 
+TEST(DensityOf, AResultHasTheMassOfItsPoints) {
+  for (const int dimension : {2, 3}) {
+    auto t = triangulate(cloud("uniform", dimension, 300), TriangulationOptions().dimension(dimension).tiles(3));
+    EXPECT_TRUE(t.measure(MeasureRequest().density(true)).made);
+    EXPECT_EQ(t.columns()[0].name, "density");
+    const DensityGrid grid = draw_density(t, DensityRequest(0.125).threads(2));
+    EXPECT_EQ(grid.size.size(), static_cast<std::size_t>(dimension));
+    double sum = 0;
+    for (const double value : grid.values) sum += value * std::pow(0.125, dimension);
+    EXPECT_EQ(grid.mass, 300);
+    EXPECT_NEAR(sum / 300, 1, 1e-12);
+    const auto values = draw_density(t, DensityRequest(0.125).field("density").sample(true)).values;
+    EXPECT_EQ(values.size(), grid.values.size());
+  }
+  const auto t = triangulate(cloud("uniform", 2, 50), TriangulationOptions().dimension(2));
+  EXPECT_EQ(failure_of([&] { draw_density(t, DensityRequest(0)); }).cause(), Cause::usage);
+  EXPECT_EQ(failure_of([&] { DensityRequest(1).bbox(std::vector<double>{1, 2, 3}); }).cause(), Cause::usage);
+}
+
 TEST(MeasureOf, NothingIsRefusedInTheWordsOfTheLibrary) {
   auto t = triangulate(cloud("uniform", 2, 50), TriangulationOptions().dimension(2));
   EXPECT_EQ(std::string(failure_of([&] { t.measure({}); }).what()),
             "there is nothing to measure; volume(true) and quality(true) measure cells, voronoi(true) measures the "
-            "Voronoi cells of vertices");
+            "Voronoi cells of vertices, density(true) the densities of vertices");
 }
 
 }  // namespace

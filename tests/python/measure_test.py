@@ -57,9 +57,27 @@ class Measure(FolderTest):
         self.assertEqual([column["name"] for column in t.info()["columns"]], ["volume", "star_volume"])
         t.verify()
 
+    def test_densities(self):
+        for dim in 2, 3:
+            points = np.concatenate([clouds.random(400, dim), clouds.random(400, dim)[:10]])
+            t = tessera.triangulate(points, max_points_per_tile=100)
+            grid = t.density(res=0.125)
+            self.assertEqual((grid.values.ndim, grid.mass, len(grid.origin)), (dim, 410, dim))
+            self.assertAlmostEqual(grid.values.sum() * 0.125 ** dim, 410, places=8)
+            t.density(self.folder / f"grid{dim}.npy", res=0.125)
+            np.testing.assert_array_equal(np.load(self.folder / f"grid{dim}.npy"), grid.values)
+            self.assertTrue(t.measure(density=True).made)
+            names = ["density"] * dim
+            curl = t.density(res=0.25, curl=names, bbox=[0.25] * dim + [0.75] * dim).values
+            self.assertEqual(curl.shape, (2, 2) if dim == 2 else (2, 2, 2, 3))
+            with self.assertRaisesRegex(tessera.UsageError, "field and curl cannot both be on one grid"):
+                t.density(res=1, field="density", curl=names)
+            with self.assertRaisesRegex(tessera.UsageError, "bbox"):
+                t.density(res=1, bbox=[1, 2, 3])
+
     def test_nothing_to_measure_is_told(self):
         t = tessera.triangulate(clouds.random(50, 2))
-        with self.assertRaisesRegex(tessera.UsageError, "there is nothing to measure; volume=True and quality=True measure cells, voronoi=True measures the Voronoi cells of vertices"):
+        with self.assertRaisesRegex(tessera.UsageError, "there is nothing to measure; volume=True and quality=True measure cells, voronoi=True measures the Voronoi cells of vertices, density=True the densities of vertices"):
             t.measure()
 
 

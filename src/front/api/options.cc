@@ -214,6 +214,14 @@ MeasureRequest& MeasureRequest::voronoi(bool voronoi) {
   impl_->options.voronoi = voronoi;
   return *this;
 }
+MeasureRequest& MeasureRequest::density(bool density) {
+  impl_->options.density = density;
+  return *this;
+}
+MeasureRequest& MeasureRequest::mass(const std::string& name) {
+  impl_->options.mass = name;
+  return *this;
+}
 MeasureRequest& MeasureRequest::memory_bytes(std::uint64_t bytes) {
   impl_->options.memory_bytes = bytes;
   return *this;

@@ -34,6 +34,9 @@ Status run_measure(Settings& settings, const std::string& folder, const std::vec
   options.quality = quality;
   BOOST_OUTCOME_TRY(voronoi, settings.on("voronoi"));
   options.voronoi = voronoi;
+  BOOST_OUTCOME_TRY(density, settings.on("density"));
+  options.density = density;
+  options.mass = settings.text("mass").value_or("");
   BOOST_OUTCOME_TRY(memory, memory_option(settings));
   options.memory_bytes = memory;
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
@@ -60,11 +63,14 @@ Status run_columns(Settings& settings, const std::string& folder) {
 
 Command add_measure(CLI::App& root) {
   auto command = new_command(
-      root, "measure", "Computes columns of a result: volumes and shapes of cells, Voronoi cells of vertices",
+      root, "measure",
+      "Computes columns of a result: volumes and shapes of cells, Voronoi cells and densities of vertices",
       "  tessera measure out/ --volume                 (columns volume and star_volume; in 2D area, star_area)\n"
       "  tessera measure out/ --quality                (columns radius_ratio, least_angle, largest_angle, "
       "circumradius)\n"
       "  tessera measure out/ --voronoi                (columns voronoi_volume, voronoi_neighbours, ...)\n"
+      "  tessera measure out/ --density                (column density: points per unit of volume)\n"
+      "  tessera measure out/ --density --mass weight  (column density_weight)\n"
       "  tessera measure out/ --volume --threads 4 --memory 2G\n"
       "  tessera columns out/                          (lists the columns)\n"
       "  tessera measure NAME --volume --server http://127.0.0.1:7070      (a result of a daemon, by the daemon)");
@@ -79,6 +85,12 @@ Command add_measure(CLI::App& root) {
              "the Voronoi cell of each vertex: voronoi_volume and voronoi_surface (2D: voronoi_area, voronoi_boundary; "
              "infinite on the hull), voronoi_neighbours, and the centroid voronoi_x, voronoi_y, voronoi_z",
              0, true);
+  add_switch(
+      command, "density",
+      "the density of each vertex (DTFE): dimension + 1 times its mass, divided by the volume of the cells around "
+      "it; each point has the mass 1, duplicates included",
+      0, true);
+  add_value(command, "mass", "NAME", "the attribute of the vertices that has their masses, for --density", 0, true);
   add_threads_option(command);
   add_memory_option(command, "tiles");
   add_remote_options(command);

@@ -138,6 +138,15 @@ double rounded_quotient(const ScaledInteger& number, unsigned divisor) {
   return negative ? -value : value;
 }
 
+ScaledDouble scaled_quotient(const ScaledInteger& number, unsigned divisor) {
+  if (number.value == 0) return {};
+  const cpp_int magnitude = mp::abs(number.value);
+  const int dropped = std::max(0, static_cast<int>(mp::msb(magnitude)) - 62);
+  const auto top = static_cast<std::uint64_t>(magnitude >> static_cast<unsigned>(dropped));
+  const auto quotient = static_cast<double>(static_cast<long double>(top) / divisor);
+  return ScaledDouble::of(number.value < 0 ? -quotient : quotient, number.exponent + dropped);
+}
+
 void ExactSum::add(const ScaledInteger& number) {
   if (number.value == 0) return;
   if (sum_.value == 0) {

@@ -12,6 +12,7 @@
 #include <span>
 
 #include "src/base/point.h"
+#include "src/result/measure/scaled_double.h"
 
 namespace tessera {
 
@@ -27,6 +28,9 @@ ScaledInteger volume_times_factorial(std::span<const Point> corners);
 
 // number / divisor, rounded to the nearest double, ties to even; infinite when it is too large for a double.
 double rounded_quotient(const ScaledInteger& number, unsigned divisor);
+
+// The same with any exponent; right to the last bit but one.
+ScaledDouble scaled_quotient(const ScaledInteger& number, unsigned divisor);
 
 class ExactSum {
  public:

@@ -81,7 +81,7 @@ Status run(NewVersion& next, Measures& measures, std::vector<ResultColumn>& colu
   Pass pass(next.source(), passed, next.scratch(),
             {.threads = options.threads,
              .memory_bytes = options.memory_bytes,
-             .tile_factor = options.voronoi ? 3.5 : 2.25,
+             .tile_factor = options.voronoi || options.density ? 3.5 : 2.25,
              .stop = stop,
              .progress = options.progress});
   BOOST_OUTCOME_TRYV(next.check_room(columns, pass.scratch_bytes(), known_free_bytes(out)));
@@ -103,21 +103,48 @@ std::string unit_of(const Manifest& manifest, int exponent) {
 }
 
 Status check_measure_options(const MeasureOptions& options) {
-  if (options.volume || options.quality || options.voronoi) return success();
+  if (!options.density && !options.mass.empty())
+    return error(Errc::usage, option("mass") + ": has no effect without " + option("density", "true"));
+  if (options.volume || options.quality || options.voronoi || options.density) return success();
   return error(Errc::usage, "there is nothing to measure; " + option("volume", "true") + " and " +
                                 option("quality", "true") + " measure cells, " + option("voronoi", "true") +
-                                " measures the Voronoi cells of vertices");
+                                " measures the Voronoi cells of vertices, " + option("density", "true") +
+                                " the densities of vertices");
 }
+
+namespace {
+
+// Adds a remark to a note.
+void remark(std::string& note, const std::string& more) {
+  if (!more.empty()) note += (note.empty() ? "" : "; ") + more;
+}
+
+// Finishes the columns of each measure, and adds what there is to say of their values.
+void finish(const Measures& measures, std::vector<ResultColumn>& columns, Measured& measured) {
+  auto begin = columns.begin();
+  for (const auto& one : measures) {
+    const auto end = begin + static_cast<std::ptrdiff_t>(one->columns().size());
+    std::vector<ResultColumn> own(begin, end);
+    one->finish(own);
+    begin = std::copy(own.begin(), own.end(), begin);
+    measured.infinite += one->infinite();
+    remark(measured.note, one->note());
+  }
+  if (measured.infinite > 0)
+    remark(measured.note, std::to_string(measured.infinite) +
+                              " values of cells and vertices are beyond what a double holds, and stored as infinite");
+}
+
+}  // namespace
 
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
   BOOST_OUTCOME_TRYV(check_measure_options(options));
   // Also when the columns exist: this removes what an ended writer has left, and older versions.
   BOOST_OUTCOME_TRY(next, NewVersion::begin(out, options.lock));
   const Manifest& manifest = next->source().manifest();
-  if (options.voronoi && manifest.region)
-    return error(Errc::usage, out.string() +
-                                  ": is a region, where not all cells around a vertex are known; Voronoi cells "
-                                  "need a whole triangulation");
+  if ((options.voronoi || options.density) && manifest.region)
+    return error(Errc::usage, out.string() + ": is a region, where not all cells around a vertex are known; " +
+                                  (options.voronoi ? "Voronoi cells" : "densities") + " need a whole triangulation");
   Measured measured;
   measured.folder = out;
   measured.version = manifest.version;
@@ -127,6 +154,10 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
   if (options.volume) wanted.push_back(measure_volumes(next->source(), stop));
   if (options.quality) wanted.push_back(measure_quality(next->source(), stop));
   if (options.voronoi) wanted.push_back(measure_voronoi(next->source(), stop));
+  if (options.density) {
+    BOOST_OUTCOME_TRY(density, measure_density(next->source(), options.mass, options.memory_bytes, stop));
+    wanted.push_back(std::move(density));
+  }
   std::vector<ResultColumn> columns;
   for (auto& one : wanted) {
     const auto own = one->columns();
@@ -144,19 +175,9 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
     column.software_version = options.software_version;
   }
   BOOST_OUTCOME_TRYV(run(*next, missing, columns, options, stop));
-  auto begin = columns.begin();
-  for (const auto& one : missing) {
-    const auto end = begin + static_cast<std::ptrdiff_t>(one->columns().size());
-    std::vector<ResultColumn> own(begin, end);
-    one->finish(own);
-    begin = std::copy(own.begin(), own.end(), begin);
-    measured.infinite += one->infinite();
-  }
+  finish(missing, columns, measured);
   measured.made = true;
   measured.version = next->number();
-  if (measured.infinite > 0)
-    measured.note += std::string(measured.note.empty() ? "" : "; ") + std::to_string(measured.infinite) +
-                     " values of cells and vertices are beyond what a double holds, and stored as infinite";
   if (options.volume) {
     Manifest told;
     told.columns = columns;

@@ -21,6 +21,9 @@ struct MeasureOptions {
   bool quality = false;
   // The Voronoi cell of each vertex: volume, surface, number of neighbours, centroid; in 2D area and boundary.
   bool voronoi = false;
+  // The density of each vertex by its star (star_density.h): of the points, or of the masses in the attribute `mass`.
+  bool density = false;
+  std::string mass = {};
   std::uint64_t memory_bytes = 0;         // at least the memory of one tile is used
   unsigned threads = 0;                   // 0: one
   std::vector<std::string> command = {};  // for the manifest

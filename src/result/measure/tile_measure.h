@@ -27,6 +27,8 @@ class TileMeasure {
   virtual void finish(std::vector<ResultColumn>& columns) const = 0;
   // How many values were too large for a double. Each cell and vertex counts once.
   virtual std::uint64_t infinite() const = 0;
+  // A remark about the values; else empty.
+  virtual std::string note() const { return ""; }
 };
 
 // The volume of each cell, and for each vertex the sum over the cells around it; in 2D areas in the plane.
@@ -36,6 +38,11 @@ std::unique_ptr<TileMeasure> measure_quality(const TileSource& source, std::stop
 // The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid (voronoi_part.h). REQUIRES:
 // the result is a whole triangulation.
 std::unique_ptr<TileMeasure> measure_voronoi(const TileSource& source, std::stop_token stop);
+
+// The density of each vertex (star_density.h). `mass` is the attribute that has the masses, or empty: each point has
+// the mass 1. Errors: those of VertexMasses::open(). REQUIRES: the result is a whole triangulation.
+Result<std::unique_ptr<TileMeasure>> measure_density(const TileSource& source, const std::string& mass,
+                                                     std::uint64_t memory_bytes, std::stop_token stop);
 
 // The unit of lengths to the power of `exponent`; "" when it is not known or not the same on all axes.
 std::string unit_of(const Manifest& manifest, int exponent);

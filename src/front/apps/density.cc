@@ -1,0 +1,154 @@
+// tessera density: puts the density of the points, or a field, on a grid of pixels or voxels.
+#include "src/result/density/density.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/front/apps/command.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/machine_options.h"
+#include "src/front/apps/one_step.h"
+#include "src/front/apps/percent_line.h"
+#include "src/front/apps/say.h"
+#include "src/front/apps/terrain_commands.h"
+#include "src/job/arguments.h"
+#include "src/job/report/human.h"
+
+namespace tessera::apps {
+namespace {
+
+using density::GridFile;
+using density::GridKind;
+using density::GridOptions;
+
+// Two numbers more mean a box in 3D.
+Result<Bounds> parse_box(const std::string& text) {
+  const auto commas = std::count(text.begin(), text.end(), ',');
+  BOOST_OUTCOME_TRY(box, parse_crop(text, commas > 3 ? 3 : 2));
+  return Bounds{box.lo, box.hi};
+}
+
+Status read_names(Settings& settings, GridOptions& options) {
+  std::string given;
+  for (const auto& [key, kind] : {std::pair("field", GridKind::field), std::pair("divergence", GridKind::divergence),
+                                  std::pair("curl", GridKind::curl)}) {
+    BOOST_OUTCOME_TRY(names, settings.get(key, [](const std::string& text) { return parse_names(text); }));
+    if (!names) continue;
+    if (!given.empty())
+      return error(Errc::usage, "--" + given + " and --" + key + " cannot both be on one grid; give one of them");
+    given = key;
+    options.kind = kind;
+    options.names = *names;
+  }
+  return success();
+}
+
+Result<GridOptions> read_options(Settings& settings) {
+  GridOptions options;
+  BOOST_OUTCOME_TRY(res, settings.get("res", [](const std::string& text) { return parse_distance(text); }));
+  if (!res) return error(Errc::usage, "the width of a pixel or voxel is not given; add --res 0.5");
+  options.res = *res;
+  BOOST_OUTCOME_TRY(box, settings.get("bbox", parse_box));
+  options.box = box;
+  BOOST_OUTCOME_TRYV(read_names(settings, options));
+  options.mass = settings.text("mass").value_or("");
+  BOOST_OUTCOME_TRY(sample, settings.on("sample"));
+  options.sample = sample;
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  options.overwrite = overwrite;
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
+  return options;
+}
+
+void print(const GridFile& file, const OutputOptions& output) {
+  if (output.json) {
+    std::printf("%s\n", to_json(file).c_str());
+    return;
+  }
+  if (output.quiet) return;
+  const density::GridFacts& facts = file.facts;
+  std::string sides;
+  std::uint64_t all = 1;
+  for (std::size_t axis = 0; axis < static_cast<std::size_t>(facts.dimension); ++axis) {
+    const auto side = static_cast<std::uint64_t>(facts.size[axis]);
+    sides += (sides.empty() ? "" : " x ") + grouped(side);
+    all *= side;
+  }
+  say("%s: %s %s of width %.17g, %s of them without a value, %s\n", file.path.c_str(), sides.c_str(),
+      facts.dimension == 2 ? "pixels" : "voxels", facts.res, grouped(all - facts.known).c_str(),
+      human_bytes(file.bytes).c_str());
+  if (facts.mass) say("mass of all points: %.17g, of the grid: %.17g\n", *facts.mass, *facts.grid_mass);
+  if (!facts.note.empty()) say_beside("note: %s\n", facts.note.c_str());
+}
+
+Status run_density(Settings& settings, const OneStep& made_of) {
+  const std::string target = settings.text("output").value_or("");
+  if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera density --help'");
+  if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE.tif or -o FILE.npy");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+  BOOST_OUTCOME_TRY(options, read_options(settings));
+  options.progress = share_line("putting cells on the grid", output);
+  BOOST_OUTCOME_TRYV(density::check_grid_target(target, options.overwrite));
+  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    const Interrupt interrupt;
+    auto result = density::write_grid(folder, target, options, interrupt.token());
+    clear_line(output);
+    BOOST_OUTCOME_TRY(file, std::move(result));
+    print(file, output);
+    return success();
+  });
+}
+
+}  // namespace
+
+Command add_density(CLI::App& root) {
+  auto command = new_command(
+      root, "density", "Puts the density of the points, or a field, on a grid of pixels or voxels",
+      "  tessera density galaxy/ --res 4 -o density.npy                      (points per unit of volume, voxel by "
+      "voxel)\n"
+      "  tessera density cities/ --res 0.5 --mass population -o density.tif  (of a 2D result, as a GeoTIFF)\n"
+      "  tessera density gas/ --res 500 --field temperature -o mean.npy      (the mean of an attribute)\n"
+      "  tessera density gas/ --res 500 --divergence vx,vy,vz -o div.npy\n"
+      "  tessera density 'block/*.laz' --dim 2 --res 1 -o density.tif        (of point files, in one step)");
+  add_value(command, "res", "LENGTH", "the width of a pixel or voxel, in units of the coordinates");
+  add_value(command, "bbox", "BOX",
+            "xmin,ymin,xmax,ymax, or in 3D xmin,ymin,zmin,xmax,ymax,zmax: the box that the grid covers; default: the "
+            "bounds of the result",
+            0, true);
+  add_value(command, "mass", "NAME",
+            "the attribute of the vertices that has their masses; default: each point has mass 1", 0, true);
+  add_value(command, "field", "NAME", "instead of the density, the mean of this attribute of the vertices", 0, true);
+  add_value(command, "divergence", "NAMES",
+            "instead of the density, the mean divergence of the vector with these attributes as components: vx,vy,vz",
+            0, true);
+  add_value(command, "curl", "NAMES",
+            "instead of the density, the mean curl of such a vector: in 2D a number, in 3D a vector for each voxel", 0,
+            true);
+  add_switch(command, "sample", "the values at the centres of pixels or voxels, not the means over them", 0, true);
+  add_value(command, "output", "PATH", "the file to write: a .tif of a 2D result, or a .npy", 'o', true);
+  add_memory_option(command, "tiles and sums");
+  add_threads_option(command);
+  add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_output_switches(command);
+  auto sources = add_sources(command, 0);
+  command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
+    return run_density(*settings, {.sources = *sources,
+                                   .dimension = 0,
+                                   .beside = settings->text("output").value_or(""),
+                                   .command_line = command_line,
+                                   .carry_all = true});
+  };
+  return command;
+}
+
+}  // namespace tessera::apps
