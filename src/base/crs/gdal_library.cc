@@ -32,7 +32,10 @@ Result<GdalLibrary> load() {
   gdal.GDALRegister_COG();
   gdal.GDALRegister_PNG();
   gdal.GDALRegister_MEM();
+  gdal.RegisterOGRFlatGeobuf();
+  gdal.RegisterOGRGeoJSON();
   gdal.RegisterOGRGeoPackage();
+  gdal.RegisterOGRShape();
   return gdal;
 }
 
