@@ -24,6 +24,30 @@ namespace tessera {
 
 namespace fs = std::filesystem;
 
+Status check_volume_options(bool second, const VolumeOptions& options) {
+  const int lower = (second ? 1 : 0) + (options.plane ? 1 : 0) + (options.base.empty() ? 0 : 1);
+  if (lower != 1)
+    return error(Errc::usage,
+                 "give one thing to compare with: a second surface, " + option("plane") + " or " + option("base"));
+  if (options.plane && !std::isfinite(*options.plane))
+    return error(Errc::usage, option("plane") + ": must be a finite height");
+  if (!options.base.empty() && !options.within.empty())
+    return error(Errc::usage, option("within") + " cannot be given with " + option("base") +
+                                  ": the polygons of the base limit the volumes already");
+  if (!options.name.empty() && options.base.empty() && options.within.empty())
+    return error(Errc::usage, option("name") + " names polygons, so it has no effect without " + option("within") +
+                                  " or " + option("base"));
+  return success();
+}
+
+Status check_same_system(const fs::path& a, const std::string& crs_of_a, const fs::path& b,
+                         const std::string& crs_of_b) {
+  if (!surely_other_crs(crs_of_a, crs_of_b)) return success();
+  return error(Errc::bad_input, b.string() + ": its coordinates are those of " + crs_title(crs_of_b) +
+                                    ", and those of " + a.string() + " are of " + crs_title(crs_of_a) +
+                                    "; volumes need one coordinate system");
+}
+
 namespace volume {
 namespace {
 
@@ -232,33 +256,14 @@ void fill_in(const Asked& asked, const MapPolygon* polygon, const RowSums& sums,
   row.uncovered_by_b = without(by_b);
 }
 
-Status check_options(const std::optional<fs::path>& b, const VolumeOptions& options) {
-  const int lower = (b ? 1 : 0) + (options.plane ? 1 : 0) + (options.base.empty() ? 0 : 1);
-  if (lower != 1)
-    return error(Errc::usage,
-                 "give one thing to compare with: a second surface, " + option("plane") + " or " + option("base"));
-  if (options.plane && !std::isfinite(*options.plane))
-    return error(Errc::usage, option("plane") + ": must be a finite height");
-  if (!options.base.empty() && !options.within.empty())
-    return error(Errc::usage, option("within") + " cannot be given with " + option("base") +
-                                  ": the polygons of the base limit the volumes already");
-  if (!options.name.empty() && options.base.empty() && options.within.empty())
-    return error(Errc::usage, option("name") + " names polygons, so it has no effect without " + option("within") +
-                                  " or " + option("base"));
-  return success();
-}
-
 Result<Asked> read_request(const fs::path& a, const std::optional<fs::path>& b, const VolumeOptions& options) {
-  BOOST_OUTCOME_TRYV(check_options(b, options));
+  BOOST_OUTCOME_TRYV(check_volume_options(b.has_value(), options));
   BOOST_OUTCOME_TRY(upper, Surface::open(a, options.value, options.max_edge));
   Asked asked{.a = std::move(upper), .b = {}, .base = !options.base.empty(), .polygons = {}};
   const Manifest& manifest = asked.a.manifest();
   if (b) {
     BOOST_OUTCOME_TRY(lower, Surface::open(*b, options.value, options.max_edge));
-    if (surely_other_crs(manifest.crs, lower.manifest().crs))
-      return error(Errc::bad_input, b->string() + ": its coordinates are those of " + crs_title(lower.manifest().crs) +
-                                        ", and those of " + a.string() + " are of " + crs_title(manifest.crs) +
-                                        "; volumes need one coordinate system");
+    BOOST_OUTCOME_TRYV(check_same_system(a, manifest.crs, *b, lower.manifest().crs));
     asked.b = std::move(lower);
   }
   const fs::path& file = asked.base ? options.base : options.within;

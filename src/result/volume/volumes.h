@@ -57,6 +57,12 @@ struct Volumes {
   std::string note;                    // remarks about the surfaces; else empty
 };
 
+// Error usage for options that contradict each other; `second`: B is a result.
+Status check_volume_options(bool second, const VolumeOptions& options);
+// Error bad_input when the coordinates of two results surely have different systems.
+Status check_same_system(const std::filesystem::path& a, const std::string& crs_of_a, const std::filesystem::path& b,
+                         const std::string& crs_of_b);
+
 // `b` is the result that is the surface B, if it is one. Every value is right to 1e-12 of cut + fill, or of the area;
 // areas that are uncovered and smaller than that are 0. The values have the same bits however the results are tiled,
 // and for any number of threads. Errors, before anything is computed: usage for options that contradict each other, a
