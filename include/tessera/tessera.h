@@ -10,3 +10,4 @@
 #include "tessera/region.h"
 #include "tessera/triangulation.h"
 #include "tessera/version.h"
+#include "tessera/volumes.h"
