@@ -9,6 +9,8 @@
 #include "python/bindings/interruptible.h"
 #include "tessera/volumes.h"
 
+namespace py = pybind11;
+
 namespace tessera::python {
 namespace {
 
