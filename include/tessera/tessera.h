@@ -12,3 +12,4 @@
 #include "tessera/region.h"
 #include "tessera/triangulation.h"
 #include "tessera/version.h"
+#include "tessera/volumes.h"

@@ -32,8 +32,10 @@ Result<GdalLibrary> load() {
   gdal.GDALRegister_COG();
   gdal.GDALRegister_PNG();
   gdal.GDALRegister_MEM();
-  gdal.RegisterOGRGeoPackage();
   gdal.RegisterOGRFlatGeobuf();
+  gdal.RegisterOGRGeoJSON();
+  gdal.RegisterOGRGeoPackage();
+  gdal.RegisterOGRShape();
   return gdal;
 }
 

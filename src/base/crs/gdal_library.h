@@ -16,7 +16,8 @@
 
 #include "src/base/result.h"
 
-// The drivers in use, declared as in GDAL's gdal_frmts.h and ogrsf_frmts.h. Each is registered by itself. The other
+// The drivers in use, declared as in GDAL's gdal_frmts.h and ogrsf_frmts.h. Each is registered by itself, and whoever
+// opens a file names the drivers that may open it. The other
 // drivers, which open whatever they are given, are not registered at all.
 extern "C" {
 void GDALRegister_COG();
@@ -24,7 +25,9 @@ void GDALRegister_GTiff();
 void GDALRegister_MEM();
 void GDALRegister_PNG();
 void RegisterOGRFlatGeobuf();
+void RegisterOGRGeoJSON();
 void RegisterOGRGeoPackage();
+void RegisterOGRShape();
 }
 
 namespace tessera {
@@ -36,23 +39,26 @@ namespace tessera {
   F(GDALDEMProcessingOptionsFree) F(GDALDEMProcessingOptionsNew) F(GDALDEMProcessingOptionsSetProgress) \
   F(GDALDatasetCommitTransaction) F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) F(GDALDatasetGetLayer) F(GDALDatasetGetLayerByName) F(GDALDatasetGetLayerCount) \
   F(GDALDatasetReleaseResultSet) F(GDALDatasetStartTransaction) F(GDALFlushCache) F(GDALGetCacheMax64) \
-  F(GDALGetDriverByName) F(GDALGetGeoTransform) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALGetRasterCount) \
+  F(GDALGetDatasetDriver) F(GDALGetDriverByName) F(GDALGetDriverShortName) F(GDALGetGeoTransform) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALGetRasterCount) \
   F(GDALGetRasterDataType) F(GDALGetRasterXSize) F(GDALGetRasterYSize) F(GDALOpenEx) F(GDALRasterIO) \
   F(GDALRegister_COG) F(GDALRegister_GTiff) F(GDALRegister_MEM) F(GDALRegister_PNG) \
   F(GDALSetCacheMax64) F(GDALSetDescription) F(GDALSetGeoTransform) F(GDALSetRasterNoDataValue) \
   F(GDALSetSpatialRef) F(GDALWarp) F(GDALWarpAppOptionsFree) F(GDALWarpAppOptionsNew) F(OCTDestroyCoordinateTransformation) \
   F(OCTNewCoordinateTransformation) F(OCTTransform) F(OGR_FD_GetFieldCount) F(OGR_FD_GetFieldDefn) F(OGR_FD_GetFieldIndex) \
-  F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_GetFID) F(OGR_F_GetFieldAsDouble) F(OGR_F_GetFieldAsInteger64) \
-  F(OGR_F_GetGeometryRef) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) \
-  F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_Fld_GetNameRef) F(OGR_Fld_SetSubType) \
-  F(OGR_G_CreateFromWkb) F(OGR_G_ExportToIsoWkb) F(OGR_G_GetPointCount) F(OGR_G_GetPoints) F(OGR_G_WkbSize) F(OGR_L_CreateFeature) F(OGR_L_CreateField) \
+  F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_GetFID) F(OGR_F_GetFieldAsDouble) F(OGR_F_GetFieldAsInteger64) F(OGR_F_GetFieldAsString) \
+  F(OGR_F_GetGeometryRef) F(OGR_F_IsFieldSetAndNotNull) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) \
+  F(OGR_F_SetFieldInteger64) F(OGR_F_SetFieldNull) F(OGR_F_SetFieldString) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_Fld_GetNameRef) F(OGR_Fld_SetSubType) \
+  F(OGR_GT_Flatten) F(OGR_GT_HasZ) \
+  F(OGR_G_CreateFromWkb) F(OGR_G_ExportToIsoWkb) F(OGR_G_GetGeometryCount) F(OGR_G_GetGeometryName) F(OGR_G_GetGeometryRef) F(OGR_G_GetGeometryType) \
+  F(OGR_G_GetPointCount) F(OGR_G_GetPoints) F(OGR_G_WkbSize) F(OGR_G_IsValid) F(OGR_L_CreateFeature) F(OGR_L_CreateField) \
   F(OGR_L_GetFeatureCount) F(OGR_L_GetGeomType) F(OGR_L_GetLayerDefn) F(OGR_L_GetNextFeature) F(OGR_L_GetSpatialRef) F(OGR_L_SyncToDisk) \
   F(OSRDestroySpatialReference) F(OSREPSGTreatsAsLatLong) F(OSREPSGTreatsAsNorthingEasting) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \
   F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) F(OSRGetPROJSearchPaths) \
   F(OSRGetTargetLinearUnits) F(OSRImportFromEPSG) F(OSRImportFromWkt) \
   F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) F(OSRNewSpatialReference) \
   F(OSRSetAxisMappingStrategy) F(OSRSetPROJEnableNetwork) F(OSRSetTargetLinearUnits) F(OSRSetVertCS) \
-  F(OSRStripVertical) F(RegisterOGRFlatGeobuf) F(RegisterOGRGeoPackage) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIGetMemFileBuffer) F(VSIUnlink) \
+  F(OSRStripVertical) F(RegisterOGRFlatGeobuf) F(RegisterOGRGeoJSON) F(RegisterOGRGeoPackage) \
+  F(RegisterOGRShape) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIGetMemFileBuffer) F(VSIUnlink) \
   F(proj_context_get_user_writable_directory) F(proj_context_set_file_finder)
 // clang-format on
 

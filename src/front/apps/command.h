@@ -35,6 +35,7 @@ Command add_query(CLI::App& root);
 Command add_dem(CLI::App& root);
 Command add_hag(CLI::App& root);
 Command add_voronoi(CLI::App& root);
+Command add_volume(CLI::App& root);
 Command add_surface(CLI::App& root);
 Command add_tileset(CLI::App& root);
 Command add_track(CLI::App& root);

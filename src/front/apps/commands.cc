@@ -28,6 +28,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_contours(root));
   commands.push_back(add_profile(root));
   commands.push_back(add_hag(root));
+  commands.push_back(add_volume(root));
   commands.push_back(add_surface(root));
   commands.push_back(add_track(root));
   commands.push_back(add_tileset(root));
