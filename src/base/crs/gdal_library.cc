@@ -33,6 +33,7 @@ Result<GdalLibrary> load() {
   gdal.GDALRegister_PNG();
   gdal.GDALRegister_MEM();
   gdal.RegisterOGRGeoPackage();
+  gdal.RegisterOGRFlatGeobuf();
   return gdal;
 }
 

@@ -23,6 +23,7 @@ void GDALRegister_COG();
 void GDALRegister_GTiff();
 void GDALRegister_MEM();
 void GDALRegister_PNG();
+void RegisterOGRFlatGeobuf();
 void RegisterOGRGeoPackage();
 }
 
@@ -51,7 +52,7 @@ namespace tessera {
   F(OSRGetTargetLinearUnits) F(OSRImportFromEPSG) F(OSRImportFromWkt) \
   F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) F(OSRNewSpatialReference) \
   F(OSRSetAxisMappingStrategy) F(OSRSetPROJEnableNetwork) F(OSRSetTargetLinearUnits) F(OSRSetVertCS) \
-  F(OSRStripVertical) F(RegisterOGRGeoPackage) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIGetMemFileBuffer) F(VSIUnlink) \
+  F(OSRStripVertical) F(RegisterOGRFlatGeobuf) F(RegisterOGRGeoPackage) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIGetMemFileBuffer) F(VSIUnlink) \
   F(proj_context_get_user_writable_directory) F(proj_context_set_file_finder)
 // clang-format on
 
