@@ -184,6 +184,7 @@ class Integers {
 int compare_exactly(std::span<const Point> corners, bool flat, double radius) {
   const Integers given(corners, flat, radius);
   const auto [numerator, denominator] = squared_radius(given.sides(), corners.size(), cpp_int(1));
+  if (denominator == 0) return 1;
   const cpp_int square = given.length() * given.length();
   return numerator.compare(cpp_int(4 * square * denominator));
 }
