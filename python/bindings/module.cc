@@ -8,4 +8,5 @@ PYBIND11_MODULE(_tessera, module) {
   tessera::python::bind_triangulation(module);
   tessera::python::bind_questions(module);
   tessera::python::bind_surfaces(module);
+  tessera::python::bind_alpha(module);
 }

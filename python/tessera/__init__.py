@@ -13,6 +13,7 @@ For cospherical points it is always the same triangulation, which a symbolic per
 guide.
 """
 from . import _tessera
+from ._alpha import AlphaShape
 from ._delaunay import Delaunay
 from ._errors import (BadInputError, CorruptError, Error, InternalError, InterruptedJobError, IoError, MemoryLimitError,
                       NotDelaunayError, UsageError)
@@ -29,7 +30,7 @@ from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Contour", "Profile", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # help() and messages show these names as members of the package.
 for _public in __all__:

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/tile_kind.h"
 #include "src/geometry/reference/alpha_reference.h"
 #include "src/geometry/reference/clouds.h"
 #include "tests/store/sample_result.h"
@@ -180,7 +181,7 @@ TEST_P(AlphaShapes, HaveTheSameBytesForAnyTilingThreadsAndMemory) {
           options.memory_bytes = tiling.random ? 1 : options.memory_bytes;
           const auto written = write_alpha_shape(out, folder_.path() / name, options, {});
           const std::string key = name + std::to_string(part) + std::to_string(general);
-          const std::string bytes = written ? bytes_of_file(folder_.path() / name) : written.error().where.substr(0, 0);
+          const std::string bytes = written ? bytes_of_file(folder_.path() / name) : std::string();
           EXPECT_EQ(first.try_emplace(key, bytes).first->second, bytes) << key;
         }
       }

@@ -38,7 +38,7 @@ struct Asked {
 };
 
 Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOptions& options) {
-  BOOST_OUTCOME_TRYV(check_surface(out, manifest, options.max_edge));
+  BOOST_OUTCOME_TRYV(check_surface(out, manifest, {options.max_edge, options.max_radius}));
   if (options.light && options.doubles)
     return error(Errc::usage, option("hillshade", "true") + ": a shaded raster has pixels of bytes, so " +
                                   option("type") + " cannot be given with it");
@@ -53,6 +53,7 @@ Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOpti
 
 DrawingOptions drawing_options(const DemOptions& options, std::uint64_t memory_bytes) {
   return {.max_edge = options.max_edge,
+          .max_radius = options.max_radius,
           .doubles = options.doubles,
           .memory_bytes = memory_bytes,
           .threads = options.threads};
