@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws docs/alpha.svg: the polygons of `tessera alpha` for a cloud of three radii.
+"""Draws docs/pictures/alpha.svg: the polygons of `tessera alpha` for a cloud of three radii.
 
     draw_alpha.py TESSERA OUT.svg
 
