@@ -115,9 +115,12 @@ class Making {
       return parts.simplices.add(simplices);
     };
     if (parts.outlines) {
-      const TileOutline outline = outline_of(tile.mesh, found.in());
+      const auto outline = outline_of(tile.mesh, found.in());
+      if (!outline)
+        return error(Errc::corrupt,
+                     source.file(index).string() + ": the neighbours of its cells contradict each other");
       const std::lock_guard lock(parts.mutex);
-      BOOST_OUTCOME_TRYV(parts.outlines->add(outline));
+      BOOST_OUTCOME_TRYV(parts.outlines->add(*outline));
     } else {
       BOOST_OUTCOME_TRYV(found.regular_facets(take));
     }

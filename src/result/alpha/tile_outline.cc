@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "src/result/alpha/disjoint_sets.h"
 
@@ -16,12 +17,13 @@ class Tracer {
   Tracer(const TileMesh& mesh, const std::vector<std::uint8_t>& in)
       : mesh_(mesh), in_(in), seen_(in.size() * 3, 0), pieces_(in.size(), no_piece) {}
 
-  TileOutline trace() {
+  std::optional<TileOutline> trace() {
     number_pieces();
     // First the chains that come from other tiles, so that what is left is closed.
     for (const bool from_outside : {true, false}) {
       for (std::size_t edge = 0; edge < seen_.size(); ++edge) {
-        if (seen_[edge] == 0 && is_boundary(edge) && own(to(edge)) && own(from(edge)) != from_outside) follow(edge);
+        if (seen_[edge] != 0 || !is_boundary(edge) || !own(to(edge)) || own(from(edge)) == from_outside) continue;
+        if (!follow(edge)) return std::nullopt;
       }
     }
     return std::move(outline_);
@@ -40,20 +42,22 @@ class Tracer {
   }
 
   // The boundary edge that follows at an own vertex: turns around the vertex through cells in the shape.
-  std::size_t next(std::size_t edge) const {
+  std::optional<std::size_t> next(std::size_t edge) const {
     const std::int32_t at = to(edge);
     // The edge of the same cell that leaves `at` is opposite the corner where `edge` begins.
     std::size_t leaving = edge - edge % 3 + (edge % 3 + 1) % 3;
-    while (!is_boundary(leaving)) {
+    for (std::size_t turned = 0; !is_boundary(leaving); ++turned) {
       const auto cell = static_cast<std::size_t>(mesh_.neighbors[leaving]);
       std::size_t k = 0;
-      while (mesh_.cells[3 * cell + k] != at) ++k;
+      while (k < 3 && mesh_.cells[3 * cell + k] != at) ++k;
+      if (k == 3 || turned == in_.size()) return std::nullopt;
       leaving = 3 * cell + (k + 2) % 3;  // from corner k to the next corner
     }
     return leaving;
   }
 
-  void follow(std::size_t first) {
+  // Returns false when neighbours contradict each other.
+  bool follow(std::size_t first) {
     OutlineChain chain;
     chain.begin = outline_.vertices.size();
     chain.piece = pieces_[first / 3];
@@ -61,15 +65,19 @@ class Tracer {
     chain.first = {id(from(first)), id(to(first))};
     std::size_t edge = first;
     do {
+      if (seen_[edge] != 0) return false;
       seen_[edge] = 1;
       if (!own(to(edge))) break;
       const Point& p = mesh_.points[static_cast<std::size_t>(to(edge))];
       outline_.vertices.push_back({id(to(edge)), p.x, p.y});
-      edge = next(edge);
+      const auto following = next(edge);
+      if (!following) return false;
+      edge = *following;
     } while (edge != first);
     chain.last = {id(from(edge)), id(to(edge))};
     chain.end = outline_.vertices.size();
     outline_.chains.push_back(chain);
+    return true;
   }
 
   void number_pieces() {
@@ -102,6 +110,8 @@ class Tracer {
 
 }  // namespace
 
-TileOutline outline_of(const TileMesh& mesh, const std::vector<std::uint8_t>& in) { return Tracer(mesh, in).trace(); }
+std::optional<TileOutline> outline_of(const TileMesh& mesh, const std::vector<std::uint8_t>& in) {
+  return Tracer(mesh, in).trace();
+}
 
 }  // namespace tessera::alpha

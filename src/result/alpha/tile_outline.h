@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "src/base/point.h"
@@ -42,7 +43,7 @@ struct TileOutline {
 };
 
 // Where several pieces of the shape, or parts of one piece, meet at a vertex, a chain goes on along the same part.
-// REQUIRES: a 2D mesh.
-TileOutline outline_of(const TileMesh& mesh, const std::vector<std::uint8_t>& in);
+// Nothing when the neighbours of cells contradict each other, as in a damaged file. REQUIRES: a 2D mesh.
+std::optional<TileOutline> outline_of(const TileMesh& mesh, const std::vector<std::uint8_t>& in);
 
 }  // namespace tessera::alpha
