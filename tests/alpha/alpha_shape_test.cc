@@ -143,7 +143,14 @@ TEST_P(AlphaShapes, AreThoseOfCgalForAnyTiling) {
     EXPECT_EQ(made(out, {.threads = 2}).radius, least);
     for (const double radius : radii) {
       SCOPED_TRACE(radius);
-      const ReferenceShape expected = reference.at(radius);
+      ReferenceShape expected = reference.at(radius);
+      // In 2D CGAL calls the vertices of singular edges singular, too; in 3D it does not.
+      if (dimension_ == 2) {
+        std::erase_if(expected.singular_vertices, [&](const auto& vertex) {
+          return std::any_of(expected.singular_facets.begin(), expected.singular_facets.end(),
+                             [&](const auto& edge) { return edge[0] == vertex[0] || edge[1] == vertex[0]; });
+        });
+      }
       const AlphaArrays shape = made(out, {.radius = radius, .general = true, .threads = 2});
       EXPECT_EQ(faces_of(shape, shape.facets, static_cast<std::size_t>(dimension_)), expected.facets);
       EXPECT_EQ(faces_of(shape, shape.singular_facets, static_cast<std::size_t>(dimension_)), expected.singular_facets);

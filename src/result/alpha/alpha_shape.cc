@@ -22,8 +22,8 @@
 #include "src/result/alpha/shape_map.h"
 #include "src/result/alpha/shape_ply.h"
 #include "src/result/alpha/tile_alpha.h"
+#include "src/result/export/ending.h"
 #include "src/result/export/output.h"
-#include "src/result/terrain/ending.h"
 #include "src/result/tile_queue.h"
 #include "src/result/tile_source.h"
 
@@ -147,7 +147,7 @@ Result<Making> open(const fs::path& out, const AlphaOptions& options, const fs::
 }
 
 Status check_target(const fs::path& target, const AlphaOptions& options) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   if (ending != ".ply" && !ShapeMap::is_map(target))
     return error(Errc::usage, target.string() +
                                   ": will be a PLY, or in 2D a GeoPackage, GeoJSON or FlatGeobuf, so give a name that "
@@ -155,7 +155,7 @@ Status check_target(const fs::path& target, const AlphaOptions& options) {
   if (ending == ".fgb" && options.general)
     return error(Errc::usage, target.string() + ": FlatGeobuf holds one kind of shapes, and " +
                                   option("general", "true") + " asks for several; use .gpkg or .geojson");
-  return terrain::check_free(target, options.overwrite);
+  return exports::check_free(target, options.overwrite);
 }
 
 void count(AlphaShape& shape, SimplexKind kind) {

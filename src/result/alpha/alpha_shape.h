@@ -5,9 +5,9 @@
 // outward: counterclockwise seen from outside in 3D, with the shape on the left in 2D. The general shape also has the
 // singular faces: faces of cells that are in the alpha complex, and are no faces of another simplex in the complex. A
 // facet or edge of no cell in the shape is in the complex when the smallest sphere through its vertices has a radius of
-// at most R and no vertex strictly inside. A vertex is always in the complex. This is CGAL's mode GENERAL; CGAL's alpha
-// is the square of R. Source: Edelsbrunner, Muecke, Three-dimensional alpha shapes, ACM Transactions on Graphics 13
-// (1994).
+// at most R and no vertex strictly inside. A vertex is always in the complex. This is CGAL's mode GENERAL, where in
+// 2D the vertices of singular edges are singular, too; CGAL's alpha is the square of R. Source: Edelsbrunner, Muecke,
+// Three-dimensional alpha shapes, ACM Transactions on Graphics 13 (1994).
 #pragma once
 
 #include <array>

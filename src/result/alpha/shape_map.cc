@@ -9,9 +9,9 @@
 
 #include "src/base/crs/crs.h"
 #include "src/base/json/json_text.h"
+#include "src/result/export/ending.h"
 #include "src/result/export/geopackage.h"
 #include "src/result/export/output.h"
-#include "src/result/terrain/ending.h"
 
 namespace tessera::alpha {
 
@@ -51,7 +51,7 @@ class GdalMap : public ShapeMap {
  public:
   static Result<std::unique_ptr<ShapeMap>> open(const fs::path& target, const std::string& crs, bool general) {
     using exports::GeoPackage;
-    const bool is_package = terrain::ending_of(target) == ".gpkg";
+    const bool is_package = exports::ending_of(target) == ".gpkg";
     BOOST_OUTCOME_TRY(file, GeoPackage::create(
                                 target, crs, is_package ? GeoPackage::Kind::geopackage : GeoPackage::Kind::flatgeobuf));
     auto map = std::unique_ptr<GdalMap>(new GdalMap(std::move(file)));
@@ -179,12 +179,12 @@ class GeoJsonMap : public ShapeMap {
 }  // namespace
 
 bool ShapeMap::is_map(const fs::path& target) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   return ending == ".gpkg" || ending == ".geojson" || ending == ".json" || ending == ".fgb";
 }
 
 Result<std::unique_ptr<ShapeMap>> ShapeMap::create(const fs::path& target, const std::string& crs, bool general) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   if (ending == ".gpkg" || ending == ".fgb") return GdalMap::open(target, crs, general);
   BOOST_OUTCOME_TRY(name, crs_name_or_wkt(crs));
   BOOST_OUTCOME_TRY(file, exports::OutputFile::create(target));

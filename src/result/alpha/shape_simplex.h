@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
+#include <utility>
 
 #include "src/base/point.h"
 
@@ -29,11 +30,11 @@ struct ShapeSimplex {
   friend bool operator<(const ShapeSimplex& a, const ShapeSimplex& b) {
     return std::tie(a.kind, a.ids) < std::tie(b.kind, b.ids);
   }
-  // Turns the first `size` corners so that the least id comes first, which keeps the orientation.
-  void begin_with_least(std::size_t size) {
-    const auto least = std::min_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(size)) - ids.begin();
-    std::rotate(ids.begin(), ids.begin() + least, ids.begin() + static_cast<std::ptrdiff_t>(size));
-    std::rotate(at.begin(), at.begin() + least, at.begin() + static_cast<std::ptrdiff_t>(size));
+  // Turns a triangle so that the least id comes first, which keeps the orientation.
+  void begin_with_least() {
+    const auto least = std::min_element(ids.begin(), ids.end()) - ids.begin();
+    std::rotate(ids.begin(), ids.begin() + least, ids.end());
+    std::rotate(at.begin(), at.begin() + least, at.end());
   }
   // Sorts the first `size` corners by id, for simplices without an orientation.
   void sort(std::size_t size) {

@@ -42,10 +42,10 @@ class TileAlpha::Batch {
       simplex.ids[i] = mesh_.ids[static_cast<std::size_t>(vertices[i])];
       simplex.at[i] = mesh_.points[static_cast<std::size_t>(vertices[i])];
     }
-    if (kind == SimplexKind::facet) {
-      simplex.begin_with_least(vertices.size());
-    } else {
+    if (kind != SimplexKind::facet) {
       simplex.sort(vertices.size());
+    } else if (vertices.size() == 3) {
+      simplex.begin_with_least();
     }
     simplices_.push_back(simplex);
     return simplices_.size() < simplices_max ? success() : flush();
