@@ -134,7 +134,8 @@ TEST_P(AlphaShapes, AreThoseOfCgalForAnyTiling) {
   const AlphaReference reference(cloud_, dimension_);
   const double least = reference.least_radius();
   ASSERT_GT(least, 0);
-  EXPECT_LE(least, reference.optimal_radius());
+  const double optimal = reference.optimal_radius();
+  EXPECT_TRUE(least <= optimal || !reference.is_one_piece(optimal));
   const std::vector<double> radii{least, std::nextafter(least, 0), least / 2, 0.5, 1, 1.5 * least, 1e300, 1e-300};
   for (const Tiling& tiling : tilings()) {
     SCOPED_TRACE(tiling.name);

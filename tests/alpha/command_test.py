@@ -11,14 +11,14 @@ from osgeo import gdal, ogr
 from stored import Stored
 
 gdal.UseExceptions()
-TILINGS = (("1",), ("7",), ("60",), ("9", "--partition", "random"), ("7", "--store", "points"))
+TILINGS = (("1",), ("60",), ("9", "--partition", "random"), ("7", "--store", "points"))
 
 
 def clouds(d):
     rng = np.random.default_rng(3)
-    side = 12 if d == 2 else 5
+    side = 9 if d == 2 else 4
     lattice = np.stack(np.meshgrid(*[np.arange(side, dtype=float)] * d), -1).reshape(-1, d)
-    uniform = rng.random((400, d))
+    uniform = rng.random((150, d))
     angle = np.arange(24) * (math.pi / 12)
     circles = np.concatenate([np.c_[np.cos(angle), np.sin(angle)] + at for at in ((0, 0), (2.5, 0), (0, 2.5))])
     yield "lattice", lattice
@@ -145,17 +145,17 @@ class Command(CliTest):
             self.triangulate(points, "1")
             stored = Stored(self.out)
             auto = self.alpha("auto.ply", "--alpha", "auto")[0]["radius"]
-            for radius in auto, math.nextafter(auto, 0), 0.08, 0.75, math.sqrt(0.5), 1.2:
-                cells, facets = self.boundary(stored, radius)
-                if not cells:
-                    continue
-                area = sum(abs(Fraction(1, 2) * doubled([stored.points[v] for v in cell])) for cell in cells)
-                texts = set()
-                for tiling in TILINGS:
+            texts = {}
+            expected = {radius: self.boundary(stored, radius) for radius in (auto, math.nextafter(auto, 0), 0.08, math.sqrt(0.5), 1.2)}
+            for tiling in TILINGS:
+                self.triangulate(points, *tiling)
+                for radius, (cells, facets) in expected.items():
+                    if not cells:
+                        continue
+                    area = sum(abs(Fraction(1, 2) * doubled([stored.points[v] for v in cell])) for cell in cells)
                     with self.subTest(cloud=name, tiling=tiling, radius=radius):
-                        self.triangulate(points, *tiling)
                         told, path = self.alpha("a.geojson", "--alpha", repr(radius), "--threads", len(tiling))
-                        texts.add(path.read_bytes())
+                        self.assertEqual(texts.setdefault(radius, path.read_bytes()), path.read_bytes())
                         self.assertEqual(told["cells"], len(cells))
                         polygons = self.polygons(path)
                         self.assertEqual(len(polygons), pieces(cells))
@@ -165,7 +165,6 @@ class Command(CliTest):
                         self.assertEqual(sum(doubled_ring(ring) for rings in polygons for ring in rings), 2 * area)
                         for rings in polygons:
                             self.assertTrue(doubled_ring(rings[0]) > 0 and all(doubled_ring(ring) < 0 for ring in rings[1:]))
-                self.assertEqual(len(texts), 1)
 
     def polygons(self, path):
         """The rings, after GEOS has found the polygons valid, one by one and all together."""

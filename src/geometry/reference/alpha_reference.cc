@@ -98,6 +98,7 @@ std::vector<std::pair<K::Point_3, PointId>> given(std::span<const LocalPoint> po
 struct AlphaReference::Impl {
   virtual ~Impl() = default;
   virtual ReferenceShape at(double radius) = 0;
+  virtual bool is_one_piece(double radius) = 0;
   virtual double least_radius() = 0;
   virtual double optimal_radius() = 0;
 };
@@ -117,10 +118,16 @@ struct AlphaReference::ImplOf : AlphaReference::Impl {
     return found;
   }
   double least_radius() override {
-    const K::FT solid = shape.find_alpha_solid();
-    for (auto alpha = shape.alpha_begin(); alpha != shape.alpha_end(); ++alpha)
-      if (*alpha >= solid && shape.number_of_solid_components(*alpha) == 1) return root_up(*alpha);
+    double last = 0;  // many alphas may have the same root
+    for (auto alpha = shape.alpha_lower_bound(shape.find_alpha_solid()); alpha != shape.alpha_end(); ++alpha) {
+      const double radius = root_up(*alpha);
+      if (radius != last && is_one_piece(radius)) return radius;
+      last = radius;
+    }
     return 0;
+  }
+  bool is_one_piece(double radius) override {
+    return square(radius) >= shape.find_alpha_solid() && shape.number_of_solid_components(square(radius)) == 1;
   }
   double optimal_radius() override { return root_up(*shape.find_optimal_alpha(1)); }
 
@@ -139,6 +146,7 @@ AlphaReference::AlphaReference(std::span<const LocalPoint> points, int dimension
 AlphaReference::~AlphaReference() = default;
 
 ReferenceShape AlphaReference::at(double radius) const { return impl_->at(radius); }
+bool AlphaReference::is_one_piece(double radius) const { return impl_->is_one_piece(radius); }
 double AlphaReference::least_radius() const { return impl_->least_radius(); }
 double AlphaReference::optimal_radius() const { return impl_->optimal_radius(); }
 

@@ -25,10 +25,11 @@ class AlphaReference {
   AlphaReference(std::span<const LocalPoint> points, int dimension);
   ~AlphaReference();
   ReferenceShape at(double radius) const;
-  // The least double that is at least the root of the first of CGAL's alphas for which all points are in a solid
-  // component, and there is only one.
+  // Whether all points are in a solid component, and there is only one.
+  bool is_one_piece(double radius) const;
+  // The least double for which that holds.
   double least_radius() const;
-  // The same by CGAL's search, which is a bisection.
+  // What CGAL finds, which searches by bisection; rounded up.
   double optimal_radius() const;
 
  private:
