@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/result/export/cell_filter.h"
 #include "src/result/query/opened_result.h"
 #include "src/result/query/search.h"
 #include "src/result/verify/match_facets.h"
@@ -153,7 +154,7 @@ Result<CellSet> cells_of(const OpenedResult& result, const Area& area, const Cel
 }
 
 Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, const AskOptions& options,
-                          const exports::CellSizes& sizes) {
+                          std::optional<double> max_edge, std::optional<double> max_radius) {
   const Manifest& manifest = result.manifest;
   const AnswerBudget budget(limits, manifest);
   Walker walker(result.cache, manifest, !manifest.schema.empty());
@@ -164,7 +165,7 @@ Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, 
     if (options.stop.stop_requested()) return error(Errc::interrupted, "interrupted while looking for the hull");
     walker.keep_only(nullptr);
     BOOST_OUTCOME_TRY(tile, walker.tile(entry.tile));
-    const std::vector<bool> kept = kept_of(*tile, exports::CellFilter(sizes), lengths);
+    const std::vector<bool> kept = kept_of(*tile, exports::CellFilter({max_edge, max_radius}), lengths);
     for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(kept.size()); ++cell) {
       if (!kept[static_cast<std::size_t>(cell)]) continue;
       for (std::size_t k = 0; k < tile->corners(); ++k) {

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "src/result/export/cell_filter.h"
 #include "src/result/query/stored_triangulation.h"
 
 namespace tessera::query {
@@ -14,7 +13,7 @@ namespace tessera::query {
 Result<CellSet> cells_of(const OpenedResult& result, const Area& area, const CellLimits& limits,
                          const AskOptions& options);
 Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, const AskOptions& options,
-                          const exports::CellSizes& sizes);
+                          std::optional<double> max_edge, std::optional<double> max_radius);
 Result<Cell> cell_of(const OpenedResult& result, TileId id, std::int32_t place);
 Result<std::vector<TileId>> tiles_of(const OpenedResult& result, const Area& area, const AskOptions& options);
 
