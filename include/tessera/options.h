@@ -130,6 +130,8 @@ class TESSERA_PUBLIC ExportRequest {
   // Leaves out cells with an edge longer than `length`, and vertices that then have no cell. `length` is in units of
   // the coordinates (2D: in the plane), finite and above 0.
   ExportRequest& max_edge(double length);
+  // Leaves out cells with a circumradius larger than `length`, likewise. Circumradii are compared exactly.
+  ExportRequest& max_radius(double length);
   // ply, obj, off, stl: writes coordinates relative to the lower corner of the box, rounded down to whole numbers, for
   // programs that keep 32-bit floats.
   ExportRequest& local(bool local);

@@ -20,6 +20,8 @@ class SurfaceRequest {
 
   // Leaves out cells with a longer edge in the plane: such cells bridge gaps between the points.
   Request& max_edge(double length);
+  // Leaves out cells with a larger circumradius in the plane, compared exactly.
+  Request& max_radius(double length);
   // The attribute of the vertices that is drawn; by default "z", the heights.
   Request& value(const std::string& name);
   // Replaces an existing file of the same name.

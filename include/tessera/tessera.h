@@ -1,6 +1,7 @@
 // All headers of the public library.
 #pragma once
 
+#include "tessera/alpha.h"
 #include "tessera/delaunay.h"
 #include "tessera/density.h"
 #include "tessera/failure.h"

@@ -6,6 +6,7 @@
 
 namespace tessera::python {
 
+void bind_alpha(pybind11::module_& module);
 void bind_failures();
 void bind_options(pybind11::module_& module);
 void bind_delaunay(pybind11::module_& module);

@@ -9,4 +9,5 @@ PYBIND11_MODULE(_tessera, module) {
   tessera::python::bind_questions(module);
   tessera::python::bind_surfaces(module);
   tessera::python::bind_volumes(module);
+  tessera::python::bind_alpha(module);
 }

@@ -53,6 +53,7 @@ void bind_options(py::module_& module) {
       .def("index", setter(&ExportRequest::index))
       .def("local", setter(&ExportRequest::local))
       .def("max_edge", setter(&ExportRequest::max_edge))
+      .def("max_radius", setter(&ExportRequest::max_radius))
       .def("overwrite", setter(&ExportRequest::overwrite));
   py::class_<VerifyRequest>(module, "VerifyRequest")
       .def(py::init<>())

@@ -18,11 +18,12 @@ namespace tessera::python {
 namespace {
 
 RasterRequest raster_request(double res, const std::optional<std::array<double, 4>>& bbox,
-                             std::optional<double> max_edge, const std::string& value, bool doubles,
-                             const std::optional<std::pair<double, double>>& light) {
+                             std::optional<double> max_edge, std::optional<double> max_radius, const std::string& value,
+                             bool doubles, const std::optional<std::pair<double, double>>& light) {
   RasterRequest request(res);
   if (bbox) request.bbox(*bbox);
   if (max_edge) request.max_edge(*max_edge);
+  if (max_radius) request.max_radius(*max_radius);
   if (light) request.hillshade(light->first, light->second);
   request.value(value).doubles(doubles);
   return request;
@@ -46,11 +47,13 @@ std::string write(const Triangulation& self, const std::filesystem::path& target
 }
 
 ContourRequest contour_request(double interval, double base, const std::optional<std::array<double, 4>>& bbox,
-                               std::optional<double> max_edge, const std::string& value, std::optional<double> smooth,
-                               std::optional<double> min_length, std::uint32_t index_every) {
+                               std::optional<double> max_edge, std::optional<double> max_radius,
+                               const std::string& value, std::optional<double> smooth, std::optional<double> min_length,
+                               std::uint32_t index_every) {
   ContourRequest request(interval);
   if (bbox) request.bbox(*bbox);
   if (max_edge) request.max_edge(*max_edge);
+  if (max_radius) request.max_radius(*max_radius);
   if (smooth) request.smooth(*smooth);
   if (min_length) request.min_length(*min_length);
   request.value(value).base(base).index_every(index_every);
@@ -73,11 +76,13 @@ std::string write_lines(const Triangulation& self, const std::filesystem::path& 
 }
 
 // `digits`: no value means the precision of the data, a number below 0 all digits.
-ProfileRequest profile_request(std::optional<double> max_edge, const std::string& value, std::optional<int> digits) {
+ProfileRequest profile_request(std::optional<double> max_edge, std::optional<double> max_radius,
+                               const std::string& value, std::optional<int> digits) {
   ProfileRequest request;
   if (digits && *digits < 0) request.all_digits();
   if (digits && *digits >= 0) request.digits(*digits);
   if (max_edge) request.max_edge(*max_edge);
+  if (max_radius) request.max_radius(*max_radius);
   request.value(value);
   return request;
 }

@@ -59,16 +59,16 @@ class Surfaces:
     _triangulation: _tessera.Triangulation
 
     @typing.overload
-    def dem(self, path: None = ..., *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
+    def dem(self, path: None = ..., *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ..., max_radius: float | None = ...,
             value: str = ..., doubles: bool = ..., overwrite: bool = ..., hillshade: bool = ...,
             azimuth: float | None = ..., altitude: float | None = ...) -> Raster: ...
 
     @typing.overload
-    def dem(self, path: Path, *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
+    def dem(self, path: Path, *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ..., max_radius: float | None = ...,
             value: str = ..., doubles: bool = ..., overwrite: bool = ..., hillshade: bool = ...,
             azimuth: float | None = ..., altitude: float | None = ...) -> None: ...
 
-    def dem(self, path=None, *, res, bbox=None, max_edge=None, value="z", doubles=False, overwrite=False,
+    def dem(self, path=None, *, res, bbox=None, max_edge=None, max_radius=None, value="z", doubles=False, overwrite=False,
             hillshade=False, azimuth=None, altitude=None):
         """Draws the surface of a 2D result as a raster. Without a path returns a Raster; with `path` writes a Cloud
         Optimized GeoTIFF.
@@ -81,6 +81,8 @@ class Surfaces:
             The box that the raster covers: (xmin, ymin, xmax, ymax). None: the bounds of the result.
         max_edge
             Leaves out cells with a longer edge in the plane; their pixels have no value.
+        max_radius
+            Leaves out cells with a larger circumradius in the plane; their pixels have no value.
         value
             The attribute of the vertices to draw; "z" is the height.
         doubles
@@ -100,7 +102,7 @@ class Surfaces:
         if not hillshade and not (azimuth is None and altitude is None):
             raise UsageError("azimuth and altitude are for a hillshade: give hillshade=True")
         light = (315.0 if azimuth is None else float(azimuth), 45.0 if altitude is None else float(altitude)) if hillshade else None
-        request = _tessera.RasterRequest(float(res), plane_box(bbox), number_or_none(max_edge), value, bool(doubles), light)
+        request = _tessera.RasterRequest(float(res), plane_box(bbox), number_or_none(max_edge), number_or_none(max_radius), value, bool(doubles), light)
         if path is None:
             values, left, top = _tessera.draw_raster(self._triangulation, request)
             return Raster(values, left, top, float(res), self._triangulation.crs)
@@ -111,15 +113,15 @@ class Surfaces:
 
     @typing.overload
     def contours(self, path: None = ..., *, interval: float, base: float = ..., bbox: npt.ArrayLike | None = ...,
-                 max_edge: float | None = ..., value: str = ..., smooth: float | None = ..., min_length: float | None = ...,
+                 max_edge: float | None = ..., max_radius: float | None = ..., value: str = ..., smooth: float | None = ..., min_length: float | None = ...,
                  index_every: int = ..., overwrite: bool = ...) -> list[Contour]: ...
 
     @typing.overload
     def contours(self, path: Path, *, interval: float, base: float = ..., bbox: npt.ArrayLike | None = ...,
-                 max_edge: float | None = ..., value: str = ..., smooth: float | None = ..., min_length: float | None = ...,
+                 max_edge: float | None = ..., max_radius: float | None = ..., value: str = ..., smooth: float | None = ..., min_length: float | None = ...,
                  index_every: int = ..., overwrite: bool = ...) -> None: ...
 
-    def contours(self, path=None, *, interval, base=0.0, bbox=None, max_edge=None, value="z", smooth=None, min_length=None,
+    def contours(self, path=None, *, interval, base=0.0, bbox=None, max_edge=None, max_radius=None, value="z", smooth=None, min_length=None,
                  index_every=5, overwrite=False):
         """Draws the contour lines of a 2D result. Returns a list; with `path` writes a .gpkg or .geojson instead.
 
@@ -134,6 +136,8 @@ class Surfaces:
             lines.
         max_edge
             Draws no lines in cells with a longer edge in the plane.
+        max_radius
+            Draws no lines in cells with a larger circumradius in the plane.
         value
             The attribute of the vertices to draw; "z" is the height.
         smooth
@@ -149,7 +153,7 @@ class Surfaces:
         Lines are sorted by level, and their order is always the same. Warns with a UserWarning if a file is written and
         the coordinates have no coordinate system. The GIL is released; Ctrl-C leaves nothing half-written.
         """
-        request = _tessera.ContourRequest(float(interval), float(base), plane_box(bbox), number_or_none(max_edge), value,
+        request = _tessera.ContourRequest(float(interval), float(base), plane_box(bbox), number_or_none(max_edge), number_or_none(max_radius), value,
                                           number_or_none(smooth), number_or_none(min_length), index(index_every, "index_every", 1_000_001))
         if path is None:
             values, offsets, points, flags = _tessera.draw_contours(self._triangulation, request)
@@ -160,14 +164,14 @@ class Surfaces:
         return None
 
     @typing.overload
-    def profile(self, line: npt.ArrayLike, path: None = ..., *, max_edge: float | None = ..., value: str = ...,
+    def profile(self, line: npt.ArrayLike, path: None = ..., *, max_edge: float | None = ..., max_radius: float | None = ..., value: str = ...,
                 digits: None = ..., overwrite: bool = ...) -> Profile: ...
 
     @typing.overload
-    def profile(self, line: npt.ArrayLike, path: Path, *, max_edge: float | None = ..., value: str = ...,
+    def profile(self, line: npt.ArrayLike, path: Path, *, max_edge: float | None = ..., max_radius: float | None = ..., value: str = ...,
                 digits: int | typing.Literal["all"] | None = ..., overwrite: bool = ...) -> None: ...
 
-    def profile(self, line, path=None, *, max_edge=None, value="z", digits=None, overwrite=False):
+    def profile(self, line, path=None, *, max_edge=None, max_radius=None, value="z", digits=None, overwrite=False):
         """Draws the surface of a 2D result along a line. Without a path returns a Profile; with `path` writes CSV.
 
         Parameters
@@ -176,6 +180,8 @@ class Surfaces:
             n x 2 points, at least two.
         max_edge
             Cells with a longer edge in the plane are not part of the surface.
+        max_radius
+            Cells with a larger circumradius in the plane are not part of the surface.
         value
             The attribute of the vertices to draw; "z" is the height.
         digits
@@ -193,7 +199,7 @@ class Surfaces:
             raise UsageError(f"line has the shape {given.shape}: it must be (n, 2), of two points or more")
         if digits not in (None, "all"):
             digits = index(digits, "digits", 18)
-        request = _tessera.ProfileRequest(number_or_none(max_edge), value, -1 if digits == "all" else digits)
+        request = _tessera.ProfileRequest(number_or_none(max_edge), number_or_none(max_radius), value, -1 if digits == "all" else digits)
         if path is None:
             return Profile(*_tessera.draw_profile(self._triangulation, given, request))
         note = _tessera.write_profile(self._triangulation, given, os.fspath(path), request, bool(overwrite))

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _tessera
+from ._alpha import AlphaShapes
 from ._errors import UsageError
 from ._options import Path, memory_bytes
 from ._questions import Answers
@@ -108,7 +109,7 @@ class Tiles(collections.abc.Sequence):
         return f"<tessera.Tiles: {len(self)} of {self._of!r}>"
 
 
-class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes):
+class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes):
     """A finished triangulation on disk, from triangulate(), region() or open(): a sequence of tiles.
 
     `len(t)` is the number of tiles with points. `t[i]` reads a tile from disk. `for tile in t` reads one tile after the
@@ -229,7 +230,7 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes):
         return points
 
     def export(self, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
-               index: bool = True, max_edge: float | None = None, local: bool = False) -> None:
+               index: bool = True, max_edge: float | None = None, local: bool = False, max_radius: float | None = None) -> None:
         """Writes the cells, each once, for other programs: t.export("mesh.ply").
 
         Parameters
@@ -252,6 +253,8 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes):
         local
             "ply", "obj", "off" and "stl": writes coordinates relative to the lower corner of the box, rounded down to
             whole numbers, for programs that keep 32-bit floats. The file says in a comment where the corner is.
+        max_radius
+            Leaves out cells with a circumradius larger than this, like max_edge. Circumradii are compared exactly.
 
         Warns with a UserWarning of what the format could not keep. The GIL is released; Ctrl-C leaves nothing
         half-written.
@@ -264,6 +267,8 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes):
         request.local(local)
         if max_edge is not None:
             request.max_edge(max_edge)
+        if max_radius is not None:
+            request.max_radius(max_radius)
         note = self._triangulation.export_to(os.fspath(target), request)
         if note:
             warnings.warn(note, stacklevel=2)

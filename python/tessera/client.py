@@ -65,7 +65,7 @@ class Client:
 
     def export(self, name: str, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
                index: bool = True, max_edge: float | None = None, progress: typing.Callable[[Event], object] | None = None,
-               patience: float = PATIENCE_S) -> None:
+               patience: float = PATIENCE_S, max_radius: float | None = None) -> None:
         """Lets the daemon write a result for other programs, and downloads the files. They do not stay at the daemon.
 
         Arguments, errors and warnings are those of Triangulation.export(). `progress` is called with each event of the
@@ -77,7 +77,7 @@ class Client:
         if path.exists() and not overwrite and (not into or not path.is_dir() or any(path.iterdir())):
             raise UsageError(f"{path}: exists already; overwrite=True replaces it")
         output = path.resolve().with_suffix("").name if into else path.name
-        options = {"format": format, "heights": heights, "overwrite": overwrite, "spatial_index": index, "max_edge": max_edge}
+        options = {"format": format, "heights": heights, "overwrite": overwrite, "spatial_index": index, "max_edge": max_edge, "max_radius": max_radius}
         job = self._execute("export", {"triangulation": name, "output": output, **_fields(options)})
         job.wait(progress)
         found = job.outcome()

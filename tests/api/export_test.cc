@@ -80,6 +80,8 @@ TEST(ExportTo, LeavesLongCellsOut) {
     EXPECT_EQ(failure_of([&] { t.export_to(none, ExportRequest().max_edge(wrong)); }).what(),
               std::string("max_edge: must be a length, finite and above 0"));
   EXPECT_FALSE(std::filesystem::exists(none));
+  EXPECT_EQ(failure_of([&] { t.export_to(none, ExportRequest().max_radius(-1)); }).what(),
+            std::string("max_radius: must be a length, finite and above 0"));
 }
 
 TEST(ExportTo, AnExceptionOfTheCallbackComesOutAndLeavesNothing) {

@@ -37,11 +37,11 @@ TEST(CellFilter, HeightsDoNotCountInThePlane) {
 TEST(CellFilter, ACellAsLongAsTheLimitStaysAndAGhostNever) {
   TileMesh mesh = simplex(3, 3);
   mesh.points[3].z = 4;
-  EXPECT_TRUE(CellFilter(5).keeps(mesh, 0));
-  EXPECT_FALSE(CellFilter(std::nextafter(5, 0)).keeps(mesh, 0));
-  EXPECT_TRUE(CellFilter(std::nullopt).keeps(mesh, 0));
+  EXPECT_TRUE(CellFilter(CellSizes{.max_edge = 5}).keeps(mesh, 0));
+  EXPECT_FALSE(CellFilter(CellSizes{.max_edge = std::nextafter(5, 0)}).keeps(mesh, 0));
+  EXPECT_TRUE(CellFilter(CellSizes{}).keeps(mesh, 0));
   mesh.cell_ghost[0] = 1;
-  EXPECT_FALSE(CellFilter(std::nullopt).keeps(mesh, 0));
+  EXPECT_FALSE(CellFilter(CellSizes{}).keeps(mesh, 0));
 }
 
 }  // namespace

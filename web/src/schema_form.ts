@@ -8,7 +8,7 @@ const first = ["inputs", "triangulation", "output", "dim", "memory"];  // what m
 
 // Where the name of an option is no word.
 const labels: Record<string, string> = {dim: "Dimension", crs: "Coordinate system", output: "File name", class: "Classes",
-  tile_points: "Points in a tile", without: "Points left out", stats: "Statistics", against_cgal: "Against CGAL", max_edge: "Longest edge",
+  tile_points: "Points in a tile", without: "Points left out", stats: "Statistics", against_cgal: "Against CGAL", max_edge: "Longest edge", max_radius: "Largest circumradius",
   res: "Resolution", bbox: "Box", resolution: "Resolution (COPC only)"};
 
 export class SchemaForm {

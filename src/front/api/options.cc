@@ -156,6 +156,10 @@ ExportRequest& ExportRequest::max_edge(double length) {
   impl_->options.max_edge = length;
   return *this;
 }
+ExportRequest& ExportRequest::max_radius(double length) {
+  impl_->options.max_radius = length;
+  return *this;
+}
 ExportRequest& ExportRequest::overwrite(bool overwrite) {
   impl_->options.overwrite = overwrite;
   return *this;

@@ -56,6 +56,11 @@ Request& SurfaceRequest<Request>::max_edge(double length) {
   return static_cast<Request&>(*this);
 }
 template <class Request>
+Request& SurfaceRequest<Request>::max_radius(double length) {
+  impl_->options.max_radius = length;
+  return static_cast<Request&>(*this);
+}
+template <class Request>
 Request& SurfaceRequest<Request>::value(const std::string& name) {
   impl_->options.value = name;
   return static_cast<Request&>(*this);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "src/front/apps/alpha.h"
 #include "src/front/apps/help.h"
 #include "src/front/apps/terrain_commands.h"
 #include "src/job/version.h"
@@ -29,6 +30,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_profile(root));
   commands.push_back(add_hag(root));
   commands.push_back(add_volume(root));
+  commands.push_back(add_alpha(root));
   commands.push_back(add_surface(root));
   commands.push_back(add_track(root));
   commands.push_back(add_tileset(root));

@@ -37,6 +37,8 @@ Status run_contours(Settings& settings, const OneStep& made_of) {
   if (box) options.box = Bounds{box->lo, box->hi};
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
   options.max_edge = max_edge;
+  BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& text) { return parse_distance(text); }));
+  options.max_radius = radius;
   options.value = settings.text("value").value_or("z");
   BOOST_OUTCOME_TRY(smooth, settings.get("smooth", [](const std::string& text) { return parse_distance(text); }));
   options.smooth = smooth;
@@ -81,6 +83,8 @@ Command add_contours(CLI::App& root) {
   add_value(command, "bbox", "BOX",
             "xmin,ymin,xmax,ymax: draw only lines in cells that meet this box; default: all lines", 0, true);
   add_value(command, "max-edge", "LENGTH", "draw no lines in cells with a longer edge in the plane; default: no limit");
+  add_value(command, "max-radius", "LENGTH",
+            "draw no lines in cells with a larger circumradius in the plane; default: no limit");
   add_value(command, "value", "NAME", "the attribute of the vertices to draw; default: z, the heights", 0, true);
   add_value(command, "smooth", "LENGTH",
             "draw lines of a smooth surface, the means of the surface in squares of this size; default: lines of the "

@@ -55,6 +55,8 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
   if (box) options.box = Bounds{box->lo, box->hi};
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
   options.max_edge = max_edge;
+  BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& text) { return parse_distance(text); }));
+  options.max_radius = radius;
   options.value = settings.text("value").value_or("z");
   BOOST_OUTCOME_TRY(doubles, settings.get("type", parse_type));
   options.doubles = doubles.value_or(false);
@@ -118,6 +120,8 @@ Command add_dem(CLI::App& root) {
             "xmin,ymin,xmax,ymax: the box that the raster covers; default: the bounds of the result", 0, true);
   add_value(command, "max-edge", "LENGTH",
             "draw no pixels in cells with a longer edge in the plane; default: no limit");
+  add_value(command, "max-radius", "LENGTH",
+            "draw no pixels in cells with a larger circumradius in the plane; default: no limit");
   add_value(command, "value", "NAME", "the attribute of the vertices to draw; default: z, the heights", 0, true);
   add_value(command, "type", "NAME", "the type of the pixels: float32 (default) or float64");
   add_choices(command, "type", "float32, float64");

@@ -62,7 +62,7 @@ Contours contours_of(const Json& outcome) {
 }
 
 void print_rest(std::uint64_t left_out, const std::string& note) {
-  if (left_out > 0) say("%s cells with longer edges are left out\n", grouped(left_out).c_str());
+  if (left_out > 0) say("%s cells with longer edges or larger circumradii are left out\n", grouped(left_out).c_str());
   if (!note.empty()) say_beside("note: %s\n", note.c_str());
 }
 

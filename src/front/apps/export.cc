@@ -49,11 +49,13 @@ Status run_export(Settings& settings, const OneStep& made_of) {
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
   BOOST_OUTCOME_TRY(index, settings.get("index", [](const std::string& text) { return parse_switch(text); }));
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
+  BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& text) { return parse_distance(text); }));
   BOOST_OUTCOME_TRY(local, settings.on("local"));
   const ExportOptions options{.format = settings.text("format").value_or(""),
                               .heights = heights.value_or(true),
                               .spatial_index = index.value_or(true),
                               .max_edge = max_edge,
+                              .max_radius = radius,
                               .local = local,
                               .overwrite = overwrite,
                               .progress = progress_line(output)};
@@ -65,7 +67,7 @@ Status run_export(Settings& settings, const OneStep& made_of) {
     auto result = export_result(folder, target, options, interrupt.token());
     if (options.progress) std::fprintf(stderr, "\r\x1b[K");
     BOOST_OUTCOME_TRY(exported, std::move(result));
-    print_exported(exported, settings.text("max-edge"), output);
+    print_exported(exported, limits_text(settings), output);
     return success();
   });
 }
@@ -89,6 +91,7 @@ Command add_export(CLI::App& root) {
   add_value(command, "max-edge", "LENGTH",
             "leave out cells with a longer edge, in units of the coordinates (2D: in the plane), and vertices that "
             "then have no cell");
+  add_value(command, "max-radius", "LENGTH", "leave out cells with a larger circumradius, likewise");
   add_switch(command, "z", "2D: leave out the heights, which otherwise become the third coordinate", 0, false, true);
   add_switch(command, "local",
              "ply, obj, off, stl: write coordinates relative to the lower corner of the result's box, rounded down to "

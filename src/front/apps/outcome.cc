@@ -46,15 +46,21 @@ void print_verified(const std::string& result, const VerifyReport& report, const
   }
 }
 
-void print_exported(const Exported& exported, const std::optional<std::string>& max_edge, const OutputOptions& output) {
+std::string limits_text(const Settings& settings) {
+  std::string text;
+  if (const auto edge = settings.text("max-edge")) text = "longer edges than " + *edge;
+  if (const auto radius = settings.text("max-radius"))
+    text += (text.empty() ? "" : " or ") + ("larger circumradii than " + *radius);
+  return text;
+}
+
+void print_exported(const Exported& exported, const std::string& limits, const OutputOptions& output) {
   if (output.json) {
     std::printf("%s\n", to_json(exported, exported.path.string()).c_str());
   } else if (!output.quiet) {
     say("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
         grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());
-    if (max_edge) {
-      say("%s cells with longer edges than %s are left out\n", grouped(exported.left_out).c_str(), max_edge->c_str());
-    }
+    if (!limits.empty()) say("%s cells with %s are left out\n", grouped(exported.left_out).c_str(), limits.c_str());
     if (const auto& corner = exported.corner)
       say("coordinates count from %.0f %.0f %.0f\n", corner->x, corner->y, corner->z);
     if (!exported.note.empty()) say_beside("note: %s\n", exported.note.c_str());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/front/apps/command.h"
+#include "src/front/apps/settings.h"
 #include "src/result/export/export.h"
 #include "src/result/heights/copies.h"
 #include "src/result/measure/measure.h"
@@ -15,8 +16,11 @@
 namespace tessera::apps {
 
 void print_verified(const std::string& result, const VerifyReport& report, const OutputOptions& output);
-// `max_edge`: the length as the user typed it, if given.
-void print_exported(const Exported& exported, const std::optional<std::string>& max_edge, const OutputOptions& output);
+// What the cells that an export leaves out have, with the lengths as the user typed them: "longer edges than 2"; empty
+// if it leaves out none.
+std::string limits_text(const Settings& settings);
+// `limits`: what limits_text() returned.
+void print_exported(const Exported& exported, const std::string& limits, const OutputOptions& output);
 // `outside`: whether --outside was given; no value when that is not known.
 void print_heights(const std::string& folder, const std::vector<HeightsFile>& files, std::optional<bool> outside,
                    const OutputOptions& output);

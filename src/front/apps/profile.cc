@@ -79,6 +79,8 @@ Status run_profile(Settings& settings, const OneStep& made_of) {
   ProfileOptions options;
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& given) { return parse_distance(given); }));
   options.max_edge = max_edge;
+  BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& given) { return parse_distance(given); }));
+  options.max_radius = radius;
   options.value = settings.text("value").value_or("z");
   BOOST_OUTCOME_TRY(digits, settings.get("digits", parse_digits));
   options.digits = digits.value_or(options.digits);
@@ -116,6 +118,8 @@ Command add_profile(CLI::App& root) {
   add_value(command, "line", "LINE",
             "x,y x,y ... in quotes, or a GeoJSON file with one line, in the result's coordinates", 0, true);
   add_value(command, "max-edge", "LENGTH", "leave out cells with a longer edge in the plane; default: no limit");
+  add_value(command, "max-radius", "LENGTH",
+            "leave out cells with a larger circumradius in the plane; default: no limit");
   add_value(command, "value", "NAME", "the attribute of the vertices to draw; default: z, the heights", 0, true);
   add_value(command, "digits", "N",
             "decimals of all numbers: 0 to 17, or all, so that the same doubles are read back; default: the precision "

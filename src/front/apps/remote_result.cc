@@ -70,7 +70,7 @@ Status measure_remotely(Settings& settings, const std::string& name, const Outpu
 }
 
 Status fetch_export(client::Server& server, const proto::StatusInfo& job, const std::string& asked,
-                    const ExportTarget& target, const std::string& format, const std::optional<std::string>& max_edge,
+                    const ExportTarget& target, const std::string& format, const std::string& limits,
                     const OutputOptions& output, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(outcome, server.outcome(job.job_id(), stop));
   auto exported = exported_of(outcome);
@@ -86,7 +86,7 @@ Status fetch_export(client::Server& server, const proto::StatusInfo& job, const 
   clear_line(output);
   BOOST_OUTCOME_TRYV(fetched);
   exported->path = target.path;
-  print_exported(*exported, max_edge, output);
+  print_exported(*exported, limits, output);
   return success();
 }
 
@@ -118,8 +118,8 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   };
   const auto done = await_job(server, settings, submitted.job_id(), output, interrupt.token());
   if (!done) return with_advice(done.error());
-  const auto fetched = fetch_export(server, done.value(), file.string(), target, options.format,
-                                    settings.text("max-edge"), output, interrupt.token());
+  const auto fetched = fetch_export(server, done.value(), file.string(), target, options.format, limits_text(settings),
+                                    output, interrupt.token());
   if (!fetched) return with_advice(fetched.error());
   const auto removed = server.remove_export(done.value().triangulation(), file.string(), interrupt.token());
   if (!removed)

@@ -24,7 +24,7 @@ Status export_remotely(Settings& settings, const std::string& name, const std::f
 // `asked`: the name that the job was told to use, if it is known. `format`: the format that the user asked for, or
 // empty.
 Status fetch_export(client::Server& server, const proto::StatusInfo& job, const std::string& asked,
-                    const ExportTarget& target, const std::string& format, const std::optional<std::string>& max_edge,
+                    const ExportTarget& target, const std::string& format, const std::string& limits,
                     const OutputOptions& output, const std::stop_token& stop);
 
 // `what`: one result of the daemon, or inputs below its folders.

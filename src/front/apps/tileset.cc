@@ -26,7 +26,8 @@ void print(const Tileset& made, const OutputOptions& output) {
   } else if (!output.quiet) {
     say("%s: %s triangles in %s leaves, %s nodes in all, %s\n", made.path.c_str(), grouped(made.triangles).c_str(),
         grouped(made.leaves).c_str(), grouped(made.nodes).c_str(), human_bytes(made.bytes).c_str());
-    if (made.left_out > 0) say("%s cells with longer edges are left out\n", grouped(made.left_out).c_str());
+    if (made.left_out > 0)
+      say("%s cells with longer edges or larger circumradii are left out\n", grouped(made.left_out).c_str());
   }
 }
 
@@ -39,6 +40,8 @@ Status run_tileset(Settings& settings, const OneStep& made_of) {
   TilesetOptions options;
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
   options.max_edge = max_edge;
+  BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& text) { return parse_distance(text); }));
+  options.max_radius = radius;
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.overwrite = overwrite;
   BOOST_OUTCOME_TRY(memory, memory_option(settings));
@@ -62,6 +65,7 @@ Command add_tileset(CLI::App& root) {
                              "  tessera tileset ground/ -o tiles/                  (tiles/tileset.json, nodes/*.glb)\n"
                              "  tessera tileset ground/ --max-edge 5 -o tiles/     (without cells that bridge gaps)");
   add_value(command, "max-edge", "LENGTH", "leave out cells with a longer edge in the plane; default: none");
+  add_value(command, "max-radius", "LENGTH", "leave out cells with a larger circumradius in the plane; default: none");
   add_value(command, "output", "FOLDER", "the folder to write", 'o', true);
   add_threads_option(command);
   add_memory_option(command, "a tile");

@@ -5,23 +5,35 @@
 #include <cmath>
 
 #include "src/base/option.h"
+#include "src/geometry/predicates/exact/circumradius.h"
 
 namespace tessera::exports {
 
 namespace {
 
-double longest_edge_of(const TileMesh& mesh, std::size_t cell, bool flat) {
-  const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
+struct CellCorners {
+  CellCorners(const TileMesh& mesh, std::size_t cell) : count(static_cast<std::size_t>(mesh.dimension) + 1) {
+    for (std::size_t k = 0; k < count; ++k) at[k] = mesh.points[static_cast<std::size_t>(mesh.cells[cell * count + k])];
+  }
+  std::span<const Point> all() const { return std::span(at).first(count); }
+  std::size_t count;
   std::array<Point, 4> at;
-  for (std::size_t k = 0; k < corners; ++k)
-    at[k] = mesh.points[static_cast<std::size_t>(mesh.cells[cell * corners + k])];
-  return longest_edge(std::span(at).first(corners), flat);
+};
+
+Status check_length(const char* key, const std::optional<double>& length) {
+  if (length && !(std::isfinite(*length) && *length > 0))
+    return error(Errc::usage, option(key) + ": must be a length, finite and above 0");
+  return success();
 }
 
 }  // namespace
 
-double longest_edge(const TileMesh& mesh, std::size_t cell) { return longest_edge_of(mesh, cell, mesh.dimension == 2); }
-double longest_edge_in_space(const TileMesh& mesh, std::size_t cell) { return longest_edge_of(mesh, cell, false); }
+double longest_edge(const TileMesh& mesh, std::size_t cell) {
+  return longest_edge(CellCorners(mesh, cell).all(), mesh.dimension == 2);
+}
+double longest_edge_in_space(const TileMesh& mesh, std::size_t cell) {
+  return longest_edge(CellCorners(mesh, cell).all(), false);
+}
 
 double longest_edge(std::span<const Point> corners, bool flat) {
   const auto longest = [&](auto length) {
@@ -41,10 +53,17 @@ double longest_edge(std::span<const Point> corners, bool flat) {
   return longest([](double x, double y, double z) { return std::hypot(x, y, z); });
 }
 
-Status check_max_edge(const std::optional<double>& max_edge) {
-  if (max_edge && !(std::isfinite(*max_edge) && *max_edge > 0))
-    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
-  return success();
+Status check_sizes(const CellSizes& sizes) {
+  BOOST_OUTCOME_TRYV(check_length("max-edge", sizes.max_edge));
+  return check_length("max-radius", sizes.max_radius);
+}
+
+double circumradius_of(const TileMesh& mesh, std::size_t cell) {
+  return exact::circumradius_up(CellCorners(mesh, cell).all(), mesh.dimension == 2);
+}
+
+bool CellFilter::has_radius(const TileMesh& mesh, std::size_t cell, double most) {
+  return exact::compare_circumradius(CellCorners(mesh, cell).all(), mesh.dimension == 2, most) <= 0;
 }
 
 }  // namespace tessera::exports

@@ -1,8 +1,7 @@
-// Selects the main cells of an export: all, or those without long edges.
+// Selects the main cells of an export: all, or those without long edges and large circumradii.
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 
@@ -19,23 +18,32 @@ double longest_edge_in_space(const TileMesh& mesh, std::size_t cell);
 // The same for any points; in the plane if `flat`.
 double longest_edge(std::span<const Point> corners, bool flat);
 
-// Error usage when `max_edge` has a value that is not finite or not above 0.
-Status check_max_edge(const std::optional<double>& max_edge);
+// Which cells count: those with no longer edge, and with no larger circumradius, compared exactly. Both are in units of
+// the coordinates, and in 2D measured in the plane, without heights. Nothing: no limit.
+struct CellSizes {
+  std::optional<double> max_edge = {}, max_radius = {};
+};
+
+// Error usage when a limit has a value that is not finite or not above 0.
+Status check_sizes(const CellSizes& sizes);
+// The circumradius of a cell, rounded up; a cell is within every limit that is at least this number.
+double circumradius_of(const TileMesh& mesh, std::size_t cell);
 
 class CellFilter {
  public:
-  // Leaves out cells with an edge longer than `max_edge`.
-  explicit CellFilter(std::optional<double> max_edge)
-      : max_edge_(max_edge.value_or(std::numeric_limits<double>::infinity())), active_(max_edge.has_value()) {}
-  bool active() const { return active_; }
-  // Returns true if the cell is exported: it is main, and its edges are short enough.
-  bool keeps(const TileMesh& mesh, std::size_t cell) const {
-    return mesh.cell_ghost[cell] == 0 && (!active_ || longest_edge(mesh, cell) <= max_edge_);
+  explicit CellFilter(const CellSizes& sizes) : sizes_(sizes) {}
+  bool active() const { return sizes_.max_edge || sizes_.max_radius; }
+  // Returns true if the cell is within the limits.
+  bool fits(const TileMesh& mesh, std::size_t cell) const {
+    return (!sizes_.max_edge || longest_edge(mesh, cell) <= *sizes_.max_edge) &&
+           (!sizes_.max_radius || has_radius(mesh, cell, *sizes_.max_radius));
   }
+  // Returns true if the cell is exported: it is main, and within the limits.
+  bool keeps(const TileMesh& mesh, std::size_t cell) const { return mesh.cell_ghost[cell] == 0 && fits(mesh, cell); }
 
  private:
-  double max_edge_;
-  bool active_;
+  static bool has_radius(const TileMesh& mesh, std::size_t cell, double most);
+  CellSizes sizes_;
 };
 
 }  // namespace tessera::exports

@@ -192,7 +192,7 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
                                    .manifest = manifest,
                                    .format = *target.format,
                                    .options = options,
-                                   .filter = exports::CellFilter(options.max_edge),
+                                   .filter = exports::CellFilter({options.max_edge, options.max_radius}),
                                    .stop = stop};
   const bool by_tile = target.folder && target.format->shape == exports::Shape::file;
   BOOST_OUTCOME_TRY(selection, exports::select(source, !by_tile && !target.format->corners));
@@ -235,7 +235,7 @@ Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, Sto
                                    .manifest = manifest,
                                    .format = *target.format,
                                    .options = options,
-                                   .filter = exports::CellFilter(std::nullopt),
+                                   .filter = exports::CellFilter(exports::CellSizes{}),
                                    .stop = stop};
   const auto selection = exports::select_all(cells.mesh, tiles);
   const auto give = [&](exports::MeshWriter& writer) {

@@ -24,6 +24,7 @@ struct ExportOptions {
   // In units of the coordinates, finite and above 0. Cells with a longer edge are left out, and also the vertices that
   // no other cell has. In 2D edges are measured in the plane.
   std::optional<double> max_edge = {};
+  std::optional<double> max_radius = {};  // likewise of circumradii (cell_filter.h)
   // Coordinates are relative to the lower corner of the result's box, rounded down to whole numbers, for readers with
   // 32-bit floats. Only for formats that have no place on a map: ply, obj, off, stl.
   bool local = false;
@@ -38,7 +39,7 @@ struct ExportOptions {
 struct Exported {
   std::filesystem::path path;  // the file or the folder
   std::uint64_t vertices = 0, cells = 0;
-  std::uint64_t left_out = 0;  // cells left out because of their edges
+  std::uint64_t left_out = 0;  // cells left out because of their edges and circumradii
   std::uint64_t files = 0;
   std::uint64_t bytes = 0;           // written, in all files together
   std::optional<Point> corner = {};  // the origin of the coordinates, if not 0, 0, 0
@@ -58,14 +59,16 @@ std::string to_json(const Exported& exported, const std::string& output);
 Result<Exported> export_result(const std::filesystem::path& out, const std::filesystem::path& target,
                                const ExportOptions& options, std::stop_token stop);
 
-// Estimates the bytes of an export of all cells; options.max_edge, which leaves some out, is ignored. Error usage for
+// Estimates the bytes of an export of all cells; options.max_edge and options.max_radius, which
+// leave some out, are ignored. Error usage for
 // an unknown format.
 Result<std::uint64_t> estimate_export(const Manifest& manifest, const std::filesystem::path& target,
                                       const ExportOptions& options);
 
 // Exports cells of the result that are in memory, to one file or one folder of arrays, as export_result() does. All of
 // `cells` are exported, and `cells` has no other vertices than theirs. `tiles` has the main tile of each cell. The
-// points of `cells` get their heights as z, if the format wants heights. options.max_edge is ignored.
+// points of `cells` get their heights as z, if the format wants heights. options.max_edge and
+// options.max_radius are ignored.
 Result<Exported> export_cells(const std::filesystem::path& out, const Manifest& manifest, StoredTile& cells,
                               std::span<const TileId> tiles, const std::filesystem::path& target,
                               const ExportOptions& options, std::stop_token stop);

@@ -19,12 +19,19 @@ namespace {
 constexpr const char* options[] = {"OGR_SQLITE_SYNCHRONOUS", "OGR_SQLITE_JOURNAL"};
 
 // GDAL needs the ending.
-fs::path name_until_whole(const fs::path& path) { return temporary_name(path).string() + ".gpkg"; }
+fs::path name_until_whole(const fs::path& path, GeoPackage::Kind kind) {
+  return temporary_name(path).string() + (kind == GeoPackage::Kind::geopackage ? ".gpkg" : ".fgb");
+}
 
 }  // namespace
 
-GeoPackage::GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const fs::path& path)
-    : gdal_(gdal), quiet_(gdal), reference_(std::move(reference)), path_(path), temporary_(name_until_whole(path)) {}
+GeoPackage::GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const fs::path& path, Kind kind)
+    : gdal_(gdal),
+      quiet_(gdal),
+      reference_(std::move(reference)),
+      path_(path),
+      temporary_(name_until_whole(path, kind)),
+      kind_(kind) {}
 
 GeoPackage::~GeoPackage() {
   release();
@@ -39,15 +46,17 @@ Error GeoPackage::refused(const std::string& what) const {
   return error(Errc::io, path_.string() + ": " + what + ": " + quiet_.message());
 }
 
-Result<std::unique_ptr<GeoPackage>> GeoPackage::create(const fs::path& path, const std::string& crs) {
+Result<std::unique_ptr<GeoPackage>> GeoPackage::create(const fs::path& path, const std::string& crs, Kind kind) {
   BOOST_OUTCOME_TRY(gdal, gdal_library());
   BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, crs));
-  auto file = std::unique_ptr<GeoPackage>(new GeoPackage(*gdal, std::move(reference), path));
+  auto file = std::unique_ptr<GeoPackage>(new GeoPackage(*gdal, std::move(reference), path, kind));
   std::error_code code;
   fs::remove(file->temporary_.path(), code);
   for (const char* option : options) gdal->CPLSetThreadLocalConfigOption(option, "OFF");
-  const GDALDriverH driver = gdal->GDALGetDriverByName("GPKG");
-  if (driver == nullptr) return error(Errc::io, "this GDAL cannot write GeoPackage");
+  const bool is_package = kind == Kind::geopackage;
+  const GDALDriverH driver = gdal->GDALGetDriverByName(is_package ? "GPKG" : "FlatGeobuf");
+  if (driver == nullptr)
+    return error(Errc::io, std::string("this GDAL cannot write ") + (is_package ? "GeoPackage" : "FlatGeobuf"));
   file->dataset_ = gdal->GDALCreate(driver, file->temporary_.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr);
   if (file->dataset_ == nullptr) return file->refused("cannot create");
   return file;
@@ -80,6 +89,7 @@ Status GeoPackage::draw(std::uint64_t bytes) {
 }
 
 Status GeoPackage::begin() {
+  if (kind_ == Kind::flatgeobuf) return success();  // which has no transactions
   if (gdal_.GDALDatasetStartTransaction(dataset_, 0) != OGRERR_NONE) return refused("cannot write");
   return success();
 }
@@ -97,7 +107,8 @@ Status GeoPackage::add(const Layer& to, const void* wkb, std::size_t size) {
 }
 
 Result<std::uint64_t> GeoPackage::finish(const char* statement) {
-  if (gdal_.GDALDatasetCommitTransaction(dataset_) != OGRERR_NONE) return refused("cannot write");
+  if (kind_ == Kind::geopackage && gdal_.GDALDatasetCommitTransaction(dataset_) != OGRERR_NONE)
+    return refused("cannot write");
   gdal_.CPLErrorReset();
   if (statement != nullptr)
     gdal_.GDALDatasetReleaseResultSet(dataset_, gdal_.GDALDatasetExecuteSQL(dataset_, statement, nullptr, nullptr));

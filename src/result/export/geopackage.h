@@ -1,4 +1,4 @@
-// Writes a GeoPackage with GDAL, row by row. The file appears only when it is complete.
+// Writes a GeoPackage, or another file of layers, with GDAL, row by row. The file appears only when it is complete.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +25,11 @@ class GeoPackage {
     OGRFeatureH feature = nullptr;  // filled anew for every row
   };
 
-  // `crs` is a coordinate system as a manifest has it. Errors, here and below: io, with GDAL's reason; bad_input when
-  // GDAL does not know the coordinate system.
-  static Result<std::unique_ptr<GeoPackage>> create(const std::filesystem::path& path, const std::string& crs);
+  enum class Kind : std::uint8_t { geopackage, flatgeobuf };
+  // `crs` is a coordinate system as a manifest has it. A FlatGeobuf has one layer. Errors, here and below: io, with
+  // GDAL's reason; bad_input when GDAL does not know the coordinate system.
+  static Result<std::unique_ptr<GeoPackage>> create(const std::filesystem::path& path, const std::string& crs,
+                                                    Kind kind = Kind::geopackage);
   ~GeoPackage();
   GeoPackage(const GeoPackage&) = delete;
   GeoPackage& operator=(const GeoPackage&) = delete;
@@ -45,7 +47,7 @@ class GeoPackage {
   Result<std::uint64_t> finish(const char* statement = nullptr);
 
  private:
-  GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const std::filesystem::path& path);
+  GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const std::filesystem::path& path, Kind kind);
   Error refused(const std::string& what) const;
   void release();
   // GDAL writes the file without src/base/files. So the bytes of geometries are drawn from the thread's ledger as they
@@ -57,6 +59,7 @@ class GeoPackage {
   SpatialReference reference_;
   std::filesystem::path path_;
   TemporaryFile temporary_;
+  Kind kind_;
   GDALDatasetH dataset_ = nullptr;
   std::vector<Layer> layers_;
   std::uint64_t drawn_ = 0;

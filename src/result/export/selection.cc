@@ -16,6 +16,25 @@ std::string shortest_digits(double number) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
 }
 
+// The limits that leave at least one cell, as far as they are known.
+struct LeastSizes {
+  double edge = std::numeric_limits<double>::infinity(), radius = edge;
+};
+
+Error none_left(const MeshSource& source, const LeastSizes& least) {
+  const auto& edge = source.options.max_edge;
+  const auto& radius = source.options.max_radius;
+  const std::string begin = source.out.string() + ": no cell is left, because each has ";
+  const std::string longer = edge ? "an edge longer than " + shortest_digits(*edge) : "";
+  const std::string larger = radius ? "a circumradius larger than " + shortest_digits(*radius) : "";
+  if (edge && radius)
+    return error(Errc::usage, begin + longer + " or " + larger + "; give a larger " + option("max-edge") + " or " +
+                                  option("max-radius"));
+  return error(Errc::usage, begin + longer + larger + "; give at least " +
+                                shortest_digits(edge ? least.edge : least.radius) + " as " +
+                                option(edge ? "max-edge" : "max-radius"));
+}
+
 }  // namespace
 
 Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
@@ -40,7 +59,7 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
   }
   if (!source.filter.active()) return selection;
 
-  double shortest = std::numeric_limits<double>::infinity();
+  LeastSizes least;
   selection.cells = 0;
   for (std::size_t index = 0; index < manifest.tiles.size(); ++index) {
     if (source.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
@@ -51,15 +70,16 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
     cells = 0;
     for (std::size_t i = 0; i < tile.mesh.cell_ghost.size(); ++i) {
       if (tile.mesh.cell_ghost[i] != 0) continue;
-      shortest = std::min(shortest, longest_edge(tile.mesh, i));
-      cells += source.filter.keeps(tile.mesh, i) ? 1 : 0;
+      least.edge = std::min(least.edge, longest_edge(tile.mesh, i));
+      if (source.filter.keeps(tile.mesh, i)) {
+        ++cells;
+      } else if (source.options.max_radius && cells + selection.cells == 0) {
+        least.radius = std::min(least.radius, circumradius_of(tile.mesh, i));
+      }
     }
     selection.cells += cells;
   }
-  if (selection.cells == 0 && manifest.cells > 0)
-    return error(Errc::usage, source.out.string() + ": no cell is left, because each has an edge longer than " +
-                                  shortest_digits(*source.options.max_edge) + "; give at least " +
-                                  shortest_digits(shortest) + " as " + option("max-edge"));
+  if (selection.cells == 0 && manifest.cells > 0) return none_left(source, least);
   const auto used = selection.numbers.used_by_tile();
   selection.vertices = 0;
   for (std::size_t index = 0; index < used.size(); ++index) {

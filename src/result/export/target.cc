@@ -93,7 +93,7 @@ fs::path index_beside(const Target& target) {
 Result<Target> find_free_target(const fs::path& path, const ExportOptions& options) {
   BOOST_OUTCOME_TRY(target, find_target(path, options.format));
   BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
-  BOOST_OUTCOME_TRYV(check_max_edge(options.max_edge));
+  BOOST_OUTCOME_TRYV(check_sizes({options.max_edge, options.max_radius}));
   if (options.local && !target.format->local)
     return error(Errc::usage, option("local", "true") + ": works only with ply, obj, off and stl; " +
                                   target.format->name + " keeps coordinates as they are");

@@ -37,7 +37,7 @@ class VertexNumbers {
   explicit VertexNumbers(const CellFilter& filter) : filter_(filter) {}
   std::size_t place(PointId id) const;  // index in shared_; its size when the vertex is not shared
 
-  CellFilter filter_{std::nullopt};
+  CellFilter filter_{CellSizes{}};
   std::vector<std::pair<PointId, std::uint64_t>> shared_;  // (id, number; while surveyed: index of its tile), by id
   std::vector<std::uint8_t> used_;                         // with a filter, by index in shared_: a kept cell has it
   std::vector<std::uint64_t> alone_;                       // by tile: own vertices that only its own cells use

@@ -89,6 +89,7 @@ struct Area {
   std::optional<Plane> plane = {};
   // Cells with a longer edge, in 2D measured in the plane, are left out.
   std::optional<double> max_edge = {};
+  std::optional<double> max_radius = {};  // likewise cells with a larger circumradius
 };
 
 }  // namespace tessera::query

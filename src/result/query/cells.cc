@@ -96,14 +96,13 @@ class Lengths {
   std::map<int, std::uint64_t> steps_;
 };
 
-// For each cell of a tile, true if it has no longer edge. Counts the main cells.
-std::vector<bool> kept_of(const QueryTile& tile, std::optional<double> max_edge, Lengths& lengths) {
+// For each cell of a tile, true if it is within the limits. Counts the main cells.
+std::vector<bool> kept_of(const QueryTile& tile, const exports::CellFilter& filter, Lengths& lengths) {
   const TileMesh& mesh = tile.mesh();
   std::vector<bool> kept(mesh.cell_ghost.size());
   for (std::size_t cell = 0; cell < kept.size(); ++cell) {
-    const double longest = exports::longest_edge(mesh, cell);
-    kept[cell] = !max_edge || longest <= *max_edge;
-    if (mesh.cell_ghost[cell] == 0) lengths.add(longest);
+    kept[cell] = filter.fits(mesh, cell);
+    if (mesh.cell_ghost[cell] == 0) lengths.add(exports::longest_edge(mesh, cell));
   }
   return kept;
 }
@@ -155,7 +154,7 @@ Result<CellSet> cells_of(const OpenedResult& result, const Area& area, const Cel
 }
 
 Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, const AskOptions& options,
-                          std::optional<double> max_edge) {
+                          std::optional<double> max_edge, std::optional<double> max_radius) {
   const Manifest& manifest = result.manifest;
   const AnswerBudget budget(limits, manifest);
   Walker walker(result.cache, manifest, !manifest.schema.empty());
@@ -166,7 +165,7 @@ Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, 
     if (options.stop.stop_requested()) return error(Errc::interrupted, "interrupted while looking for the hull");
     walker.keep_only(nullptr);
     BOOST_OUTCOME_TRY(tile, walker.tile(entry.tile));
-    const std::vector<bool> kept = kept_of(*tile, max_edge, lengths);
+    const std::vector<bool> kept = kept_of(*tile, exports::CellFilter({max_edge, max_radius}), lengths);
     for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(kept.size()); ++cell) {
       if (!kept[static_cast<std::size_t>(cell)]) continue;
       for (std::size_t k = 0; k < tile->corners(); ++k) {

@@ -152,7 +152,8 @@ class Search {
   void take(const QueryTile& tile, std::int32_t cell) {
     if (tile.mesh().cell_ghost[static_cast<std::size_t>(cell)] != 0) return;
     if (area_.polygon && !area_.polygon->meets(corners_of(tile, cell))) return;
-    if (area_.max_edge && exports::longest_edge(tile.mesh(), static_cast<std::size_t>(cell)) > *area_.max_edge) return;
+    if (!exports::CellFilter({area_.max_edge, area_.max_radius}).fits(tile.mesh(), static_cast<std::size_t>(cell)))
+      return;
     found_.cells[tile.id()].push_back(cell);
     ++found_.count;
     for (std::size_t k = 0; k < tile.corners(); ++k) found_.owners.insert(tile.owner(tile.vertex(cell, k)));

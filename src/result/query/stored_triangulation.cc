@@ -90,8 +90,8 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
 }
 
 Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskOptions& options,
-                                            std::optional<double> max_edge) const {
-  return hull_of(*result_, limits, options, max_edge);
+                                            std::optional<double> max_edge, std::optional<double> max_radius) const {
+  return hull_of(*result_, limits, options, max_edge, max_radius);
 }
 
 Result<Cell> StoredTriangulation::cell(TileId tile, std::int32_t place) const { return cell_of(*result_, tile, place); }

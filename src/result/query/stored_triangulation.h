@@ -156,10 +156,10 @@ class StoredTriangulation {
   // known; usage for a plane and a 2D result.
   Result<CellSet> cells(const Area& area, const CellLimits& limits, const AskOptions& options) const;
 
-  // The cells on the hull, by tile. Reads all tiles. With `max_edge`, cells with a longer edge are left out, and the
-  // border of the other cells counts as hull. Errors: as cells().
-  Result<HullCells> hull(const CellLimits& limits, const AskOptions& options,
-                         std::optional<double> max_edge = {}) const;
+  // The cells on the hull, by tile. Reads all tiles. Cells with a longer edge than `max_edge` or a larger circumradius
+  // than `max_radius` are left out, and the border of the other cells counts as hull. Errors: as cells().
+  Result<HullCells> hull(const CellLimits& limits, const AskOptions& options, std::optional<double> max_edge = {},
+                         std::optional<double> max_radius = {}) const;
 
   // A cell by its main tile and its index in that tile's file. Error usage when there is no such cell, or when it is
   // main in another tile.

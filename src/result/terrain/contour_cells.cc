@@ -8,7 +8,7 @@
 namespace tessera::terrain {
 
 ContourCells::ContourCells(const query::QueryTile& tile, const query::Column& column, const Levels& levels,
-                           const std::optional<double>& max_edge, const std::optional<Bounds>& box,
+                           const exports::CellFilter& filter, const std::optional<Bounds>& box,
                            const std::stop_token& stop)
     : tile_(tile), levels_(levels), values_(tile.mesh().points.size()), counts_(tile.mesh().cell_ghost.size()) {
   for (std::size_t v = 0; v < values_.size(); ++v) values_[v] = column.value(tile.row(static_cast<std::int32_t>(v)));
@@ -23,7 +23,7 @@ ContourCells::ContourCells(const query::QueryTile& tile, const query::Column& co
       finite = finite && std::isfinite(value(tile.vertex(cell, k)));
     }
     if (!finite || (box && !query::meets(corners, *box))) continue;
-    if (max_edge && exports::longest_edge(tile.mesh(), i) > *max_edge) {
+    if (!filter.fits(tile.mesh(), i)) {
       left_out_ += tile.mesh().cell_ghost[i] == 0 ? 1 : 0;
       continue;
     }

@@ -41,7 +41,7 @@ class ContourCells {
   // Ignores cells that the filter leaves out, cells that do not meet the box, and cells with a corner without a finite
   // value. `tile` has rows. Throws Stopped.
   ContourCells(const query::QueryTile& tile, const query::Column& column, const Levels& levels,
-               const std::optional<double>& max_edge, const std::optional<Bounds>& box, const std::stop_token& stop);
+               const exports::CellFilter& filter, const std::optional<Bounds>& box, const std::stop_token& stop);
 
   // The lowest level of a cell, and one above the highest; equal when there is none.
   std::int64_t begin() const { return begin_; }

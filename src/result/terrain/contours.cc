@@ -85,7 +85,8 @@ Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions&
       if (seen >= cells_max) break;
       if (source.work_bytes(i) > options.memory_bytes / 8) continue;
       BOOST_OUTCOME_TRY(tile, query::QueryTile::load(source, i, true));
-      const terrain::ContourCells cells(*tile, column, levels, options.max_edge, options.box, stop);
+      const terrain::ContourCells cells(*tile, column, levels,
+                                        exports::CellFilter({options.max_edge, options.max_radius}), options.box, stop);
       BOOST_OUTCOME_TRYV(terrain::LineMaker::check_levels(cells));
       pieces += cells.pieces();
       seen += entry.cells;

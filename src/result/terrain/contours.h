@@ -17,11 +17,12 @@ namespace tessera {
 constexpr std::int64_t index_every_max = 1'000'000;
 
 struct ContourOptions {
-  double interval = 1;                  // between levels, in units of the values
-  double base = 0;                      // a level
-  std::optional<Bounds> box = {};       // only x and y: only in cells that meet the box, uncut; default: everywhere
-  std::optional<double> max_edge = {};  // ignore cells with a longer edge in the plane
-  std::string value = "z";              // an attribute of the vertices; z has the heights
+  double interval = 1;                    // between levels, in units of the values
+  double base = 0;                        // a level
+  std::optional<Bounds> box = {};         // only x and y: only in cells that meet the box, uncut; default: everywhere
+  std::optional<double> max_edge = {};    // ignore cells with a longer edge in the plane
+  std::optional<double> max_radius = {};  // and cells with a larger circumradius
+  std::string value = "z";                // an attribute of the vertices; z has the heights
   // Lines of a smooth surface instead: means of the surface in squares of this size (smooth_surface.h).
   std::optional<double> smooth = {};
   std::optional<double> min_length = {};  // lines that are shorter in the plane are left out

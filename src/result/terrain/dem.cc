@@ -11,12 +11,12 @@
 #include "src/base/crs/crs.h"
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
+#include "src/result/export/ending.h"
 #include "src/result/query/column.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/terrain/blocks.h"
 #include "src/result/terrain/cog_file.h"
 #include "src/result/terrain/drawing.h"
-#include "src/result/terrain/ending.h"
 #include "src/result/terrain/hillshade.h"
 #include "src/result/terrain/tiles.h"
 
@@ -38,7 +38,7 @@ struct Asked {
 };
 
 Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOptions& options) {
-  BOOST_OUTCOME_TRYV(check_surface(out, manifest, options.max_edge));
+  BOOST_OUTCOME_TRYV(check_surface(out, manifest, {options.max_edge, options.max_radius}));
   if (options.light && options.doubles)
     return error(Errc::usage, option("hillshade", "true") + ": a shaded raster has pixels of bytes, so " +
                                   option("type") + " cannot be given with it");
@@ -53,6 +53,7 @@ Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOpti
 
 DrawingOptions drawing_options(const DemOptions& options, std::uint64_t memory_bytes) {
   return {.max_edge = options.max_edge,
+          .max_radius = options.max_radius,
           .doubles = options.doubles,
           .memory_bytes = memory_bytes,
           .threads = options.threads};
@@ -167,9 +168,9 @@ Status DemMaker::use(const StoredTile& cells) { return impl_->draw(cells); }
 Result<Dem> DemMaker::finish() { return impl_->finish(); }
 
 Status check_dem_target(const fs::path& target, bool overwrite) {
-  if (const std::string ending = terrain::ending_of(target); ending != ".tif" && ending != ".tiff")
+  if (const std::string ending = exports::ending_of(target); ending != ".tif" && ending != ".tiff")
     return error(Errc::usage, target.string() + ": will be a GeoTIFF, so give a name that ends in .tif");
-  return terrain::check_free(target, overwrite);
+  return exports::check_free(target, overwrite);
 }
 
 Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOptions& options, std::stop_token stop) {

@@ -26,12 +26,13 @@ struct Light {
 Status check_light(const Light& light);
 
 struct DemOptions {
-  double res = 1;                       // the width of a pixel, in units of the coordinates
-  std::optional<Bounds> box = {};       // only x and y; default: the bounds of the result
-  std::optional<double> max_edge = {};  // cells with a longer edge in the plane have no pixels
-  std::string value = "z";              // an attribute of the vertices; z has the heights
-  bool doubles = false;                 // pixels have 64 bits, not 32
-  std::optional<Light> light = {};      // draw a hillshade of the values; they must have the unit of the coordinates
+  double res = 1;                         // the width of a pixel, in units of the coordinates
+  std::optional<Bounds> box = {};         // only x and y; default: the bounds of the result
+  std::optional<double> max_edge = {};    // cells with a longer edge in the plane have no pixels
+  std::optional<double> max_radius = {};  // and cells with a larger circumradius
+  std::string value = "z";                // an attribute of the vertices; z has the heights
+  bool doubles = false;                   // pixels have 64 bits, not 32
+  std::optional<Light> light = {};        // draw a hillshade of the values; they must have the unit of the coordinates
   bool overwrite = false;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least the memory of one tile is used
   unsigned threads = 1;

@@ -22,9 +22,10 @@
 namespace tessera::terrain {
 
 struct DrawingOptions {
-  std::optional<double> max_edge = {};  // cells with a longer edge in the plane have no pixels
-  bool doubles = false;                 // else values are rounded to 32 bits
-  std::uint64_t memory_bytes = 0;       // at least the memory of one tile is used
+  std::optional<double> max_edge = {};    // cells with a longer edge in the plane have no pixels
+  std::optional<double> max_radius = {};  // and cells with a larger circumradius
+  bool doubles = false;                   // else values are rounded to 32 bits
+  std::uint64_t memory_bytes = 0;         // at least the memory of one tile is used
   unsigned threads = 1;
 };
 
@@ -45,7 +46,7 @@ class Drawing {
         options_(options),
         stop_(std::move(stop)),
         take_(std::move(take)),
-        filter_(options.max_edge),
+        filter_({options.max_edge, options.max_radius}),
         blocks_bytes_(std::max<std::uint64_t>(options.memory_bytes / options.threads, blocks_least)) {}
 
   // The first run() draws cells in memory, all those that may have a pixel; the second draws the tiles of a queue. Both

@@ -11,9 +11,9 @@
 #include "src/base/crs/crs.h"
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
+#include "src/result/export/ending.h"
 #include "src/result/export/geopackage.h"
 #include "src/result/export/output.h"
-#include "src/result/terrain/ending.h"
 
 namespace tessera::terrain {
 
@@ -114,15 +114,15 @@ class GeoJsonLines : public LineFile {
 }  // namespace
 
 Status LineFile::check_target(const fs::path& target, bool overwrite) {
-  const std::string ending = ending_of(target);
+  const std::string ending = exports::ending_of(target);
   if (ending != ".gpkg" && ending != ".geojson" && ending != ".json")
     return error(Errc::usage,
                  target.string() + ": will be a GeoPackage or GeoJSON, so give a name that ends in .gpkg or .geojson");
-  return check_free(target, overwrite);
+  return exports::check_free(target, overwrite);
 }
 
 Result<std::unique_ptr<LineFile>> LineFile::create(const fs::path& target, const LineFileOptions& options) {
-  if (ending_of(target) == ".gpkg") {
+  if (exports::ending_of(target) == ".gpkg") {
     BOOST_OUTCOME_TRY(file, exports::GeoPackage::create(target, options.crs));
     BOOST_OUTCOME_TRY(
         layer,

@@ -26,9 +26,10 @@ Result<std::vector<terrain::Triangle>> surface(const query::StoredTriangulation&
   BOOST_OUTCOME_TRY(set, result.cells(area, {.bytes_max = options.memory_bytes}, {.stop = options.stop}));
   const TileMesh& mesh = set.mesh.mesh;
   const std::size_t row_bytes = tessera::row_bytes(set.mesh.schema);
+  const exports::CellFilter filter({options.max_edge, options.max_radius});
   std::vector<terrain::Triangle> cells;
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
-    if (options.max_edge && exports::longest_edge(mesh, i) > *options.max_edge) continue;
+    if (!filter.fits(mesh, i)) continue;
     terrain::Triangle cell;
     bool finite = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -81,7 +82,7 @@ std::pair<int, int> decimals_of(std::span<const ProfilePoint> points, int digits
 Result<std::vector<ProfilePoint>> profile(const query::StoredTriangulation& result, const std::filesystem::path& out,
                                           std::span<const Point> line, const ProfileOptions& options) {
   const Manifest& manifest = result.manifest();
-  BOOST_OUTCOME_TRYV(terrain::check_surface(out, manifest, options.max_edge));
+  BOOST_OUTCOME_TRYV(terrain::check_surface(out, manifest, {options.max_edge, options.max_radius}));
   BOOST_OUTCOME_TRYV(check_digits(options.digits));
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   std::vector<ProfilePoint> points;

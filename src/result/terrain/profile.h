@@ -22,6 +22,7 @@ inline constexpr int digits_of_data = -1, digits_all = -2, digits_most = 17;
 struct ProfileOptions {
   std::string value = "z";                              // an attribute of the vertices; z has the heights
   std::optional<double> max_edge = {};                  // cells with a longer edge in the plane are ignored
+  std::optional<double> max_radius = {};                // and cells with a larger circumradius
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for the cells of a leg, in addition to the memory of `result`
   int digits = digits_of_data;                          // decimals in CSV: digits_of_data, digits_all, 0 to digits_most
   std::stop_token stop = {};

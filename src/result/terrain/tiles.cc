@@ -8,7 +8,6 @@
 
 #include "src/base/crs/crs.h"
 #include "src/base/option.h"
-#include "src/result/export/cell_filter.h"
 #include "src/result/query/part.h"
 #include "src/result/query/stored_triangulation.h"
 
@@ -29,12 +28,11 @@ Error nothing_there(const Bounds& all) {
 
 }  // namespace
 
-Status check_surface(const std::filesystem::path& out, const Manifest& manifest,
-                     const std::optional<double>& max_edge) {
+Status check_surface(const std::filesystem::path& out, const Manifest& manifest, const exports::CellSizes& sizes) {
   if (manifest.dimension != 2)
     return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
                                   option("dim", "2"));
-  return exports::check_max_edge(max_edge);
+  return exports::check_sizes(sizes);
 }
 
 Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box) {

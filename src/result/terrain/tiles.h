@@ -11,12 +11,13 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/result/export/cell_filter.h"
 #include "src/result/tile_source.h"
 
 namespace tessera::terrain {
 
-// Error usage for a 3D result, whose cells are no surface over a plane, and for a `max_edge` that is no length.
-Status check_surface(const std::filesystem::path& out, const Manifest& manifest, const std::optional<double>& max_edge);
+// Error usage for a 3D result, whose cells are no surface over a plane, and for limits that are no lengths.
+Status check_surface(const std::filesystem::path& out, const Manifest& manifest, const exports::CellSizes& sizes);
 
 // Error usage when the box is outside of all points; the message says where the points are.
 Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box);

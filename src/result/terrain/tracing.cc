@@ -56,7 +56,9 @@ Result<std::uint64_t> trace_tiles(const Work& work) {
       BOOST_OUTCOME_TRY(index, tiles.next());
       if (!index) break;
       BOOST_OUTCOME_TRY(tile, query::QueryTile::load(tiles.source(), *index, true));
-      const ContourCells cells(*tile, work.column, work.levels, work.options.max_edge, work.options.box, work.stop);
+      const ContourCells cells(*tile, work.column, work.levels,
+                               exports::CellFilter({work.options.max_edge, work.options.max_radius}), work.options.box,
+                               work.stop);
       BOOST_OUTCOME_TRYV(work.maker.add(cells, share - std::min(share, tile_bytes)));
       left_out += cells.left_out();
       tiles.done();
@@ -74,6 +76,7 @@ Result<std::uint64_t> draw_samples(const Work& work, const SmoothPlan& plan, con
   TileQueue tiles(work.source, std::move(entries), work.stop, std::move(progress));
   Drawing drawing(work.source.folder(), work.source.manifest(), work.column, plan.samples,
                   {.max_edge = work.options.max_edge,
+                   .max_radius = work.options.max_radius,
                    .doubles = true,
                    .memory_bytes = work.memory_bytes,
                    .threads = work.options.threads},
@@ -125,7 +128,7 @@ Status check_contours(const fs::path& out, const Manifest& manifest, const Conto
     return error(Errc::usage, option("min-length") + ": must be a length, finite and above 0");
   if (options.index_every < 1 || options.index_every > index_every_max)
     return error(Errc::usage, option("index-every") + ": must be from 1 to " + std::to_string(index_every_max));
-  return check_surface(out, manifest, options.max_edge);
+  return check_surface(out, manifest, {options.max_edge, options.max_radius});
 }
 
 Result<Traced> trace(const fs::path& out, const fs::path& folder, const ContourOptions& options,

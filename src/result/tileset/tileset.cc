@@ -49,7 +49,7 @@ class Making {
         options_(options),
         stop_(stop),
         files_(files),
-        filter_(options.max_edge),
+        filter_({options.max_edge, options.max_radius}),
         heights_(find_column(manifest_.schema, "z")),
         intensities_(find_column(manifest_.schema, "intensity")),
         classes_(find_column(manifest_.schema, "classification")),
@@ -248,7 +248,7 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
                               std::stop_token stop) {
   const fs::path path = target.has_filename() ? target : target.parent_path();
   BOOST_OUTCOME_TRYV(tileset::check_place(path, options.overwrite));
-  BOOST_OUTCOME_TRYV(exports::check_max_edge(options.max_edge));
+  BOOST_OUTCOME_TRYV(exports::check_sizes({options.max_edge, options.max_radius}));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(tileset::check_result(out, manifest));
@@ -263,8 +263,10 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
   tileset::Making making(source, partition, options, stop, files);
   BOOST_OUTCOME_TRY(roots, making.build(partition.splits().empty() ? as_leaf(TileId{0}) : 0));
   if (roots.empty())
-    return error(Errc::usage, out.string() + ": there are no triangles to show" +
-                                  (making.left_out() > 0 ? "; all have longer edges than " + option("max-edge") : ""));
+    return error(
+        Errc::usage,
+        out.string() + ": there are no triangles to show" +
+            (making.left_out() > 0 ? "; all exceed " + option("max-edge") + " or " + option("max-radius") : ""));
   BOOST_OUTCOME_TRYV(files.finish(roots.front().place, manifest));
   BOOST_OUTCOME_TRYV(sync_folder(folder.path()));
   if (const auto failed = remove_tree(path)) return io_error(path, "cannot be replaced", failed.value());

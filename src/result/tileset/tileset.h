@@ -18,6 +18,7 @@ inline constexpr const char* tileset_format = "3dtiles";  // in addition to the 
 
 struct TilesetOptions {
   std::optional<double> max_edge = {};    // cells with a longer edge in the plane are left out
+  std::optional<double> max_radius = {};  // and cells with a larger circumradius
   std::uint64_t node_triangles = 16'384;  // a leaf has at most as many; an inner node about as many
   bool overwrite = false;                 // replaces an existing tileset, and nothing else
   // Set for the triangles of a surface, which face all ways: the partition of the triangulation from which they come.

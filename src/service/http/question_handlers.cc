@@ -172,9 +172,11 @@ void add_question_routes(std::vector<Route>& routes) {
                          {bbox,
                           {"res", "number", "The width and height of a pixel, in units of the coordinates"},
                           {"max-edge", "number", "Draw no pixels in cells with a longer edge"},
+                          {"max-radius", "number", "Draw no pixels in cells with a larger circumradius"},
                           {"value", "string", "The attribute of the vertices; default: z, the heights"},
                           {"type", "string", "The type of the pixels: float32 (default) or float64"}}));
   const Parameter max_edge{"max-edge", "number", "Leave out cells with a longer edge"};
+  const Parameter max_radius{"max-radius", "number", "Leave out cells with a larger circumradius"};
   const Parameter value{"value", "string", "The attribute of the vertices; default: z, the heights"};
   routes.push_back(
       route("GET", "contours", "getContours", "The contour lines of a 2D result",
@@ -185,6 +187,7 @@ void add_question_routes(std::vector<Route>& routes) {
              {"interval", "number", "The distance between levels, in units of the heights"},
              {"base", "number", "The height of one of the levels; default: 0"},
              max_edge,
+             max_radius,
              value,
              {"smooth", "number", "Draw lines of a smooth surface, the means of the surface in squares of this size"},
              {"min-length", "number", "Leave out lines that are shorter in the plane"},
@@ -198,11 +201,17 @@ void add_question_routes(std::vector<Route>& routes) {
                          "csv: the number of decimals, 0 to 17, or all; default: as many as the data have"};
   const Parameter profile_format{
       "f", "string", "The format of the profile: csv, json or geojson; default: the format in Accept, or csv"};
-  routes.push_back(
-      route("GET", "profile", "getProfile", "The heights of a 2D result along a line", heights, asks(About::profile),
-            {{"line", "string", "The line, by its points: x,y x,y ..."}, max_edge, value, digits, profile_format}));
-  Route profile = route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,
-                        asks_with_body(About::profile, {geojson, json}), {max_edge, value, digits, profile_format});
+  routes.push_back(route("GET", "profile", "getProfile", "The heights of a 2D result along a line", heights,
+                         asks(About::profile),
+                         {{"line", "string", "The line, by its points: x,y x,y ..."},
+                          max_edge,
+                          max_radius,
+                          value,
+                          digits,
+                          profile_format}));
+  Route profile =
+      route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,
+            asks_with_body(About::profile, {geojson, json}), {max_edge, max_radius, value, digits, profile_format});
   profile.body = "Document";
   profile.body_types = {geojson};
   routes.push_back(std::move(profile));
@@ -211,13 +220,14 @@ void add_question_routes(std::vector<Route>& routes) {
   const std::vector<Response> shape{{200, gltf, "", "Binary glTF, quantised and compressed; each cell is separate"}};
   routes.push_back(route("GET", "shapes/hull", "getHull",
                          "A model to view: the hull of a 3D result, or the border of its cells without long edges",
-                         shape, asks(About::hull), {max_edge, limit}));
+                         shape, asks(About::hull), {max_edge, max_radius, limit}));
   routes.push_back(route("GET", "shapes/section", "getSection",
                          "A model to view: the section of a 3D result by a plane", shape, asks(About::section),
                          {{"through", "string", "A point of the plane: " + place},
                           {"normal", "string", "The normal of the plane: " + place},
                           bbox,
                           max_edge,
+                          max_radius,
                           limit}));
   routes.push_back(route(
       "GET", "shapes/cells", "getSolids", "A model to view: the tetrahedra that meet a box", shape, asks(About::solids),
@@ -225,6 +235,7 @@ void add_question_routes(std::vector<Route>& routes) {
        {"shrink", "number",
         "The size of each tetrahedron, shrunk towards its centre, from 0.01 to 1; default: 1, its full size"},
        max_edge,
+       max_radius,
        limit}));
 }
 

@@ -220,6 +220,10 @@ Result<ExportOptions> export_options(const proto::ExportInputs& inputs) {
     BOOST_OUTCOME_TRY(edge, length_of("max-edge", inputs.max_edge()));
     options.max_edge = edge;
   }
+  if (inputs.has_max_radius()) {
+    BOOST_OUTCOME_TRY(radius, length_of("max-radius", inputs.max_radius()));
+    options.max_radius = radius;
+  }
   options.local = inputs.local();
   options.overwrite = inputs.overwrite();
   return options;

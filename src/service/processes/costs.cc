@@ -108,7 +108,7 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const Export
                                                       : estimate_export(manifest, output, options);
   if (!bytes) return problem_of(bytes.error());
   estimate.set_result_bytes(bytes.value());
-  if (options.max_edge) return std::nullopt;  // the option may leave out most cells
+  if (options.max_edge || options.max_radius) return std::nullopt;  // which may leave out most cells
   return check_disk("output: the export needs about " + human_bytes(bytes.value()) + " of disk; ", bytes.value(),
                     limits, data);
 }

@@ -32,6 +32,10 @@ Status read_common(const Inputs& inputs, const JobShare& share, Options& options
     BOOST_OUTCOME_TRY(longest, length_of("max-edge", inputs.max_edge()));
     options.max_edge = longest;
   }
+  if (inputs.has_max_radius()) {
+    BOOST_OUTCOME_TRY(largest, length_of("max-radius", inputs.max_radius()));
+    options.max_radius = largest;
+  }
   if (inputs.has_value()) options.value = inputs.value();
   BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
   options.memory_bytes = own.memory_bytes;

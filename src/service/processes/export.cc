@@ -20,6 +20,7 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
     return problem(400, "format: 3dtiles cannot be combined with heights, spatial_index or local", Errc::usage);
   TilesetOptions options{.memory_bytes = shop.share.memory_bytes, .progress = percentage(work)};
   if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
+  if (inputs.has_max_radius()) options.max_radius = inputs.max_radius();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto made = written_aside(shop, folder, work, [&] {
     return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options,

@@ -52,6 +52,7 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "them as floats."},
     {"spatial_index", "GeoPackage: also write a spatial index of the cells."},
     {"max_edge", "Leave out cells with a longer edge."},
+    {"max_radius", "Leave out cells with a larger circumradius, in 2D in the plane."},
     {"stats", "Also read all points, and give statistics of them."},
     {"bbox", "Only what is in this box: the coordinates of its lower corner, then of its upper corner."},
     {"polygon", "The region, as text: polygons in GeoJSON, in the coordinates of the points."},

@@ -146,10 +146,18 @@ Result<query::CellLimits> OpenQuestion::limits_of_cells() const {
   return most;
 }
 
-Result<std::optional<double>> OpenQuestion::longest_edge() const {
-  if (!question.options.contains("max-edge")) return std::optional<double>();
-  BOOST_OUTCOME_TRY(longest, read("max-edge", [](const std::string& text) { return parse_distance(text); }));
-  return std::optional(longest);
+Result<exports::CellSizes> OpenQuestion::sizes() const {
+  const auto distance = [](const std::string& text) { return parse_distance(text); };
+  exports::CellSizes sizes;
+  if (question.options.contains("max-edge")) {
+    BOOST_OUTCOME_TRY(longest, read("max-edge", distance));
+    sizes.max_edge = longest;
+  }
+  if (question.options.contains("max-radius")) {
+    BOOST_OUTCOME_TRY(largest, read("max-radius", distance));
+    sizes.max_radius = largest;
+  }
+  return sizes;
 }
 
 Result<AnswerOptions> OpenQuestion::many() const {

@@ -12,6 +12,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/job/arguments.h"
+#include "src/result/export/cell_filter.h"
 #include "src/result/query/answers.h"
 #include "src/result/query/area.h"
 #include "src/result/query/stored_triangulation.h"
@@ -56,13 +57,14 @@ class OpenQuestion {
   Result<query::Area> area() const;
   // The number of cells that an answer may have.
   Result<query::CellLimits> limits_of_cells() const;
-  // Leaves out cells with a longer edge; nothing: leaves out none.
-  Result<std::optional<double>> longest_edge() const;
+  // The limits of cells; without one in the question there is none.
+  Result<exports::CellSizes> sizes() const;
   // The options that questions to a surface have in common.
   template <class Options>
   Status read_surface(Options& options) const {
-    BOOST_OUTCOME_TRY(longest, longest_edge());
-    options.max_edge = longest;
+    BOOST_OUTCOME_TRY(limits, sizes());
+    options.max_edge = limits.max_edge;
+    options.max_radius = limits.max_radius;
     options.value = word("value", "z");
     if constexpr (requires { options.box; }) {
       if (!question.options.contains("bbox")) return success();

@@ -29,8 +29,8 @@ Status has_volume(const OpenQuestion& asked) {
 Result<QuestionAnswer> answer_hull(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRYV(has_volume(asked));
   BOOST_OUTCOME_TRY(most, asked.limits_of_cells());
-  BOOST_OUTCOME_TRY(longest, asked.longest_edge());
-  BOOST_OUTCOME_TRY(hull, asked.reader.stored.hull(most, asked.ask, longest));
+  BOOST_OUTCOME_TRY(sizes, asked.sizes());
+  BOOST_OUTCOME_TRY(hull, asked.reader.stored.hull(most, asked.ask, sizes.max_edge, sizes.max_radius));
   return shown(asked, tileset::hull_shape(hull), hull.set);
 }
 
@@ -50,8 +50,9 @@ Result<QuestionAnswer> answer_section(const OpenQuestion& asked) {
   } else {
     area.box = asked.reader.stored.manifest().bounds;
   }
-  BOOST_OUTCOME_TRY(longest, asked.longest_edge());
-  area.max_edge = longest;
+  BOOST_OUTCOME_TRY(sizes, asked.sizes());
+  area.max_edge = sizes.max_edge;
+  area.max_radius = sizes.max_radius;
   area.plane = query::Plane{at, {normal.x / length, normal.y / length, normal.z / length}};
   BOOST_OUTCOME_TRY(cells, asked.reader.stored.cells(area, most, asked.ask));
   return shown(asked, tileset::section_shape(cells, *area.plane, area.box), cells);
@@ -67,8 +68,9 @@ Result<QuestionAnswer> answer_solids(const OpenQuestion& asked) {
     if (part < 0.01 || part > 1) return error(Errc::usage, "shrink: must be from 0.01 to 1");
     shrink = part;
   }
-  BOOST_OUTCOME_TRY(longest, asked.longest_edge());
-  where.max_edge = longest;
+  BOOST_OUTCOME_TRY(sizes, asked.sizes());
+  where.max_edge = sizes.max_edge;
+  where.max_radius = sizes.max_radius;
   BOOST_OUTCOME_TRY(cells, asked.reader.stored.cells(where, most, asked.ask));
   return shown(asked, tileset::solids_shape(cells, shrink), cells);
 }

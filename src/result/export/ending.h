@@ -9,7 +9,7 @@
 #include "src/base/option.h"
 #include "src/base/result.h"
 
-namespace tessera::terrain {
+namespace tessera::exports {
 
 // The file's ending in lower case, with its dot.
 inline std::string ending_of(const std::filesystem::path& target) {
@@ -27,4 +27,4 @@ inline Status check_free(const std::filesystem::path& target, bool overwrite) {
   return success();
 }
 
-}  // namespace tessera::terrain
+}  // namespace tessera::exports
