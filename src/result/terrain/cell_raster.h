@@ -107,6 +107,13 @@ void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
 // for_each_pixel() for all parts is the same as calling it for the grid. A cell of few pixels has one part. Calls
 // visit(part) until it returns an error.
 inline constexpr std::int64_t part_side = 2048;
-Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit);
+Status for_each_part_of_large(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit);
+template <class Visit>
+Status for_each_part(const Grid& grid, const Triangle& cell, const Visit& visit) {
+  const auto [x0, x1] = std::minmax({cell[0].at.x, cell[1].at.x, cell[2].at.x});
+  const auto [y0, y1] = std::minmax({cell[0].at.y, cell[1].at.y, cell[2].at.y});
+  if (std::max(x1 - x0, y1 - y0) < static_cast<double>(part_side - 4) * grid.res) return visit(grid);
+  return for_each_part_of_large(grid, cell, visit);
+}
 
 }  // namespace tessera::terrain

@@ -23,6 +23,13 @@ inline CellCircle circle_of(const query::QueryTile& tile, std::int32_t cell) {
   return {centre_of<double>(corner(0), corner(1), corner(2)), static_cast<std::uint8_t>(first)};
 }
 
+inline Error no_neighbour(const query::QueryTile& tile, std::int32_t cell) {
+  return tile.corrupt_cell(cell, "is no neighbour of the cell that says so");
+}
+inline Error endless(const query::QueryTile& tile, std::int32_t cell) {
+  return tile.corrupt_cell(cell, "the cells around a pixel have no end here: the cells are not a triangulation");
+}
+
 // The cells of one tile. A cell that the tile does not have is unknown. The circle of a cell is computed when it is
 // first asked for.
 class CellsOfTile {
@@ -41,17 +48,21 @@ class CellsOfTile {
     if (circle.first == unset) circle = circle_of(tile_, cell);
     return circle;
   }
-  Beyond across(Cell cell, std::size_t k, Cell& to, std::size_t& back) {
+  Beyond across(Cell cell, std::size_t k, Cell& to) const {
     to = tile_.neighbor(cell, k);
-    if (to < 0) return to == -1 ? Beyond::hull : Beyond::unknown;
-    const std::int32_t after = tile_.vertex(cell, (k + 1) % 3), last = tile_.vertex(cell, (k + 2) % 3);
-    for (back = 0; back < 3; ++back)
-      if (tile_.vertex(to, (back + 1) % 3) == last && tile_.vertex(to, (back + 2) % 3) == after) return Beyond::cell;
-    damaged_ = to;
-    return Beyond::failed;
+    if (to >= 0) return Beyond::cell;
+    return to == -1 ? Beyond::hull : Beyond::unknown;
   }
-  // Why across() has failed.
-  Error error() const { return tile_.corrupt_cell(damaged_, "is no neighbour of the cell that says so"); }
+  bool opposite(Cell cell, std::size_t /*k*/, Cell to, std::size_t& back) {
+    for (back = 0; back < 3; ++back)
+      if (tile_.neighbor(to, back) == cell) return true;
+    error_ = no_neighbour(tile_, to);
+    return false;
+  }
+  std::size_t cells_max() const { return circles_.size(); }
+  void too_many(Cell cell) { error_ = endless(tile_, cell); }
+  // What is wrong with the cells.
+  const Error& error() const { return *error_; }
 
  private:
   static constexpr std::uint8_t unset = 3;
@@ -60,7 +71,7 @@ class CellsOfTile {
   const query::QueryTile& tile_;
   std::vector<CellCircle> circles_;
   std::vector<double> values_;
-  std::int32_t damaged_ = 0;
+  std::optional<Error> error_;
 };
 
 // The cells of all tiles. In a region some are unknown.
@@ -68,7 +79,9 @@ class CellsOfTiles {
  public:
   using Cell = query::CellRef;
 
-  CellsOfTiles(query::Walker& walker, const query::Column& column) : walker_(walker), column_(column) {}
+  // `cells`: how many the result has.
+  CellsOfTiles(query::Walker& walker, const query::Column& column, std::uint64_t cells)
+      : walker_(walker), column_(column), cells_max_(cells) {}
 
   const Point& point(const Cell& cell, std::size_t k) const {
     return cell.tile->point(cell.tile->vertex(cell.cell, k));
@@ -77,7 +90,7 @@ class CellsOfTiles {
     return column_.value(cell.tile->row(cell.tile->vertex(cell.cell, k)));
   }
   CellCircle circle(const Cell& cell) const { return circle_of(*cell.tile, cell.cell); }
-  Beyond across(const Cell& cell, std::size_t k, Cell& to, std::size_t& back) {
+  Beyond across(const Cell& cell, std::size_t k, Cell& to) {
     walker_.forget_doubts();
     auto found = walker_.across(cell, k);
     if (!found) {
@@ -85,14 +98,19 @@ class CellsOfTiles {
       return Beyond::failed;
     }
     to = found.value();
-    if (!to) return walker_.met_unknown() ? Beyond::unknown : Beyond::hull;
+    if (to) return Beyond::cell;
+    return walker_.met_unknown() ? Beyond::unknown : Beyond::hull;
+  }
+  bool opposite(const Cell& cell, std::size_t k, const Cell& to, std::size_t& back) {
     const PointId after = id(cell, (k + 1) % 3), last = id(cell, (k + 2) % 3);
     for (back = 0; back < 3; ++back)
-      if (id(to, (back + 1) % 3) == last && id(to, (back + 2) % 3) == after) return Beyond::cell;
-    error_ = to.tile->corrupt_cell(to.cell, "is no neighbour of the cell that says so");
-    return Beyond::failed;
+      if (id(to, (back + 1) % 3) == last && id(to, (back + 2) % 3) == after) return true;
+    error_ = no_neighbour(*to.tile, to.cell);
+    return false;
   }
-  // Why across() has failed.
+  std::size_t cells_max() const { return cells_max_; }
+  void too_many(const Cell& cell) { error_ = endless(*cell.tile, cell.cell); }
+  // What is wrong with the cells, or why they cannot be read.
   const Error& error() const { return *error_; }
 
  private:
@@ -100,6 +118,7 @@ class CellsOfTiles {
 
   query::Walker& walker_;
   query::Column column_;
+  std::size_t cells_max_;
   std::optional<Error> error_;
 };
 

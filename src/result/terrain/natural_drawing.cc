@@ -30,7 +30,7 @@ class NaturalDrawing::Thread {
       : drawing_(drawing),
         source_(source),
         walker_(cache, source.manifest(), true),
-        all_(walker_, drawing.column_),
+        all_(walker_, drawing.column_, source.manifest().cells),
         all_fast_(all_, drawing.method_),
         blocks_(drawing.grid_) {}
 

@@ -63,7 +63,6 @@ struct CellCircle {
 
 template <class Number>
 struct Rounding {
-  static constexpr bool is_wide = std::is_same_v<Number, query::Wide>;
   // Half of the distance from 1 to the next number.
   static Number unit() {
     if constexpr (std::is_same_v<Number, double>)
@@ -126,8 +125,10 @@ bool is_in_circle(const CellCircle& circle, const Point& q, const Corner& corner
 //   a type Cell, a cell of the triangulation;
 //   point(cell, k) and value(cell, k), of corner k; corners are counterclockwise;
 //   circle(cell), its CellCircle;
-//   across(cell, k, to, back), what is beyond the edge opposite corner k: if it is a cell, `to` becomes that cell and
-//   `back` the corner of it that is opposite the same edge.
+//   across(cell, k, to), what is beyond the edge opposite corner k: if it is a cell, `to` becomes that cell;
+//   opposite(cell, k, to, back): `back` becomes the corner of `to` opposite the same edge; false if there is none, then
+//   the cells are damaged;
+//   cells_max(), a number that no zone exceeds; too_many(), called when one does, because the cells are damaged.
 template <class Number, class Cells>
 class NaturalValue {
  public:
@@ -138,18 +139,17 @@ class NaturalValue {
   PixelState at(const Cell& cell, const Point& q, double& value) {
     q_ = q;
     sum_ = {};
-    open_.clear();
-    start(cell);
-    while (!open_.empty()) {
-      const Edge edge = open_.back();
-      open_.pop_back();
+    near_.clear();
+    if (!start(cell)) return PixelState::no_value;
+    while (open_count_ > 0) {
+      const Edge edge = open_[--open_count_];
       const PixelState state = pass(edge);
       if (state != PixelState::found) return state;
     }
     // The bounds have a reserve for sums of this many terms.
     constexpr double terms = 16;
-    const Number error = sum_.error * (1 + Number(sum_.terms) / terms);
-    if (sum_.spoilt || !(error <= tolerance * sum_.weight) || !(sum_.weight > R::least())) return PixelState::unsure;
+    const Number error = (sum_.error + R::unit() * sum_.rounding) * (1 + Number(near_.size()) / terms);
+    if (!(error <= tolerance * sum_.weight) || !(sum_.weight > R::least())) return PixelState::unsure;
     const Number found = base_ + sum_.value / sum_.weight;
     if (!(found - found == 0)) return PixelState::unsure;
     value = static_cast<double>(found);
@@ -161,22 +161,33 @@ class NaturalValue {
   // Values are right to twice this part of the range of the neighbours' values, or better.
   static constexpr double tolerance = 0x1p-37;
 
-  // The edge opposite a corner of a zone cell.
+  // A neighbour, relative to q and to the base of the values.
+  struct Neighbour {
+    Point at;
+    Number x, y, value;
+    Number size;  // |x| + |y|
+  };
+  struct ZoneCentre {
+    Centre<Number> at;  // relative to q
+    Number size = 0;    // |x| + |y|
+  };
+  // The edge opposite a corner of a zone cell, from neighbour a to neighbour b.
   struct Edge {
     Cell cell;
+    std::uint32_t a, b;
     std::uint8_t corner;
-    Centre<Number> centre;  // of the cell
+    ZoneCentre centre;  // of the cell
   };
   struct Sum {
-    Number value = 0, weight = 0, error = 0;
-    std::uint32_t terms = 0;
-    bool spoilt = false;
+    Number value = 0, weight = 0;
+    Number error = 0, rounding = 0;  // the bound is error + unit() * rounding
   };
 
   static std::uint8_t next(std::size_t k) { return static_cast<std::uint8_t>(k == 2 ? 0 : k + 1); }
   static std::uint8_t before(std::size_t k) { return static_cast<std::uint8_t>(k == 0 ? 2 : k - 1); }
+  static Number sum_of_sizes(const Number& x, const Number& y) { return R::size(x) + R::size(y); }
 
-  Centre<Number> centre_at(const Cell& cell, const CellCircle& circle) const {
+  ZoneCentre centre_at(const Cell& cell, const CellCircle& circle) const {
     const std::size_t first = circle.first;
     const Point& p = cells_.point(cell, first);
     Centre<Number> c;
@@ -185,26 +196,43 @@ class NaturalValue {
     else
       c = centre_of<Number>(p, cells_.point(cell, next(first)), cells_.point(cell, before(first)));
     const Number dx = Number(p.x) - Number(q_.x), dy = Number(p.y) - Number(q_.y);
-    const Number sizes = R::size(dx) + R::size(dy) + R::size(c.x) + R::size(c.y);
-    return {dx + c.x, dy + c.y, c.error + 4 * R::unit() * sizes};
+    const Number x = dx + c.x, y = dy + c.y;
+    return {{x, y, c.error + 4 * R::unit() * (sum_of_sizes(dx, dy) + sum_of_sizes(c.x, c.y))}, sum_of_sizes(x, y)};
+  }
+
+  // Returns false when the value is not finite.
+  bool add_neighbour(const Cell& cell, std::size_t k) {
+    const double value = cells_.value(cell, k);
+    const Point& p = cells_.point(cell, k);
+    const Number x = Number(p.x) - Number(q_.x), y = Number(p.y) - Number(q_.y);
+    near_.push_back({p, x, y, Number(value) - base_, sum_of_sizes(x, y)});
+    return std::isfinite(value);
+  }
+
+  Edge& open() {
+    if (open_count_ == open_.size()) open_.resize(2 * open_.size());
+    return open_[open_count_++];
   }
 
   // So that the border is passed counterclockwise.
-  void start(const Cell& cell) {
+  bool start(const Cell& cell) {
     const CellCircle circle = cells_.circle(cell);
-    base_ = Number(cells_.value(cell, circle.first));
-    Centre<Number> centre;
-    if (natural_) centre = centre_at(cell, circle);
     const std::uint8_t first = circle.first;
-    open_.push_back({cell, next(first), centre});
-    open_.push_back({cell, first, centre});
-    open_.push_back({cell, before(first), centre});
+    base_ = Number(cells_.value(cell, first));
+    ZoneCentre centre;
+    if (natural_) centre = centre_at(cell, circle);
+    bool finite = true;
+    for (const std::uint8_t k : {first, next(first), before(first)}) finite = add_neighbour(cell, k) && finite;
+    open_count_ = 0;
+    open() = {cell, 2, 0, next(first), centre};
+    open() = {cell, 1, 2, first, centre};
+    open() = {cell, 0, 1, before(first), centre};
+    return finite;
   }
 
   PixelState pass(const Edge& edge) {
     Cell beyond;
-    std::size_t back = 0;
-    switch (cells_.across(edge.cell, edge.corner, beyond, back)) {
+    switch (cells_.across(edge.cell, edge.corner, beyond)) {
       case Beyond::hull:
         return add_border(edge);
       case Beyond::unknown:
@@ -217,60 +245,57 @@ class NaturalValue {
     const CellCircle& circle = cells_.circle(beyond);
     if (!is_in_circle(circle, q_, [&](std::size_t k) -> const Point& { return cells_.point(beyond, k); }))
       return add_border(edge);
-    Centre<Number> centre;
+    std::size_t back = 0;
+    if (!cells_.opposite(edge.cell, edge.corner, beyond, back)) return PixelState::failed;
+    const auto apex = static_cast<std::uint32_t>(near_.size());
+    if (apex > cells_.cells_max() + 2) {
+      cells_.too_many(beyond);
+      return PixelState::failed;
+    }
+    if (!add_neighbour(beyond, back)) return PixelState::no_value;
+    ZoneCentre centre;
     if (natural_) {
       centre = centre_at(beyond, circle);
       add_edge(edge, centre);
     }
-    open_.push_back({beyond, before(back), centre});
-    open_.push_back({beyond, next(back), centre});
+    open() = {beyond, apex, edge.b, before(back), centre};
+    open() = {beyond, edge.a, apex, next(back), centre};
     return PixelState::found;
   }
 
   // `right` is the centre on the other side of the edge.
-  void add_edge(const Edge& edge, const Centre<Number>& right) {
-    const Centre<Number>& left = edge.centre;
-    const Number step =
-        Number(cells_.value(edge.cell, next(edge.corner))) - Number(cells_.value(edge.cell, before(edge.corner)));
-    sum_.value += step * (right.x * left.y - right.y * left.x);
-    const Number nl = R::size(left.x) + R::size(left.y), nr = R::size(right.x) + R::size(right.y);
-    sum_.error += nr * left.error + nl * right.error + left.error * right.error + 6 * R::unit() * nl * nr;
-    ++sum_.terms;
+  void add_edge(const Edge& edge, const ZoneCentre& right) {
+    const ZoneCentre& left = edge.centre;
+    const Number step = near_[edge.a].value - near_[edge.b].value;
+    sum_.value += step * (right.at.x * left.at.y - right.at.y * left.at.x);
+    sum_.error += right.size * left.at.error + (left.size + left.at.error) * right.at.error;
+    sum_.rounding += 6 * left.size * right.size;
   }
 
   PixelState add_border(const Edge& edge) {
-    const Point& pa = cells_.point(edge.cell, next(edge.corner));
-    const Point& pb = cells_.point(edge.cell, before(edge.corner));
-    const Number ax = Number(pa.x) - Number(q_.x), ay = Number(pa.y) - Number(q_.y);
-    const Number bx = Number(pb.x) - Number(q_.x), by = Number(pb.y) - Number(q_.y);
-    const Number ex = Number(pb.x) - Number(pa.x), ey = Number(pb.y) - Number(pa.y);
-    const Number l = ax * by, r = ay * bx, area = l - r, sizes = R::size(l) + R::size(r);
-    if (!(area > 64 * R::unit() * sizes && area > R::least())) {
-      if (exact::orientation_2(pa, pb, q_) <= 0) return PixelState::on_hull;
-      if (!(area > 0)) return PixelState::unsure;
-      sum_.spoilt = true;
-    }
+    const Neighbour &a = near_[edge.a], &b = near_[edge.b];
+    const Number ex = Number(b.at.x) - Number(a.at.x), ey = Number(b.at.y) - Number(a.at.y);
+    const Number l = a.x * b.y, r = a.y * b.x, area = l - r, sizes = R::size(l) + R::size(r);
+    if (!(area > 64 * R::unit() * sizes && area > R::least()))
+      return exact::orientation_2(a.at, b.at, q_) <= 0 ? PixelState::on_hull : PixelState::unsure;
     const Number half = Number(0.5) / area;
-    const Number s = (bx * ex + by * ey) * half, t = -(ax * ex + ay * ey) * half;
-    const Number na = R::size(ax) + R::size(ay), nb = R::size(bx) + R::size(by), ne = R::size(ex) + R::size(ey);
-    // A product of two differences is off by 3 u, their sum by 4 u; the area by 4 u of `sizes`.
-    const Number off = R::unit() * (32 + 8 * sizes * (2 * half)) * half * ne;
-    const Number s_error = off * nb, t_error = off * na;
-    const double va = cells_.value(edge.cell, next(edge.corner)), vb = cells_.value(edge.cell, before(edge.corner));
-    if (!std::isfinite(va) || !std::isfinite(vb)) return PixelState::no_value;
-    const Number a = Number(va) - base_, b = Number(vb) - base_;
-    sum_.terms += 2;
+    const Number s = (b.x * ex + b.y * ey) * half, t = -(a.x * ex + a.y * ey) * half;
+    // A product of two differences is off by 3 u, their sum by 4 u; the area by 4 u of `sizes`. So s is off by u times
+    // `off` times the size of b, and t likewise by that of a.
+    const Number off = (32 + 16 * sizes * half) * half * sum_of_sizes(ex, ey);
     if (!natural_) {
       sum_.weight += s + t;
-      sum_.value += s * a + t * b;
-      sum_.error += s_error + t_error;
+      sum_.value += s * a.value + t * b.value;
+      sum_.rounding += off * (a.size + b.size);
       return PixelState::found;
     }
-    const Number sa = (ax * ax + ay * ay) * s / 2, tb = (bx * bx + by * by) * t / 2;
+    const Number sa = (a.x * a.x + a.y * a.y) * s / 2, tb = (b.x * b.x + b.y * b.y) * t / 2;
+    const Number both = off * a.size * b.size;
     sum_.weight += sa + tb;
-    sum_.value += sa * a + tb * b;
-    sum_.error += (na * na * s_error + nb * nb * t_error) / 2;
-    add_edge(edge, {ax / 2 - s * ay, ay / 2 + s * ax, na * (s_error + 4 * R::unit() * (1 + R::size(s)))});
+    sum_.value += sa * a.value + tb * b.value;
+    sum_.rounding += both * (a.size + b.size);
+    const Number gx = a.x / 2 - s * a.y, gy = a.y / 2 + s * a.x;
+    add_edge(edge, {{gx, gy, R::unit() * (2 * both + 4 * a.size)}, sum_of_sizes(gx, gy)});
     return PixelState::found;
   }
 
@@ -279,7 +304,9 @@ class NaturalValue {
   Point q_{};
   Number base_ = 0;
   Sum sum_;
-  std::vector<Edge> open_;
+  std::vector<Neighbour> near_;
+  std::vector<Edge> open_ = std::vector<Edge>(64);
+  std::size_t open_count_ = 0;
 };
 
 // The value at q with as many bits as the value needs. `fast` is kept from point to point. REQUIRES: as at().
