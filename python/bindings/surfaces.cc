@@ -15,10 +15,12 @@
 namespace tessera::python {
 namespace {
 
+// `method` is the place of its name in the list of _surfaces.py.
 RasterRequest raster_request(double res, const std::optional<std::array<double, 4>>& bbox,
                              std::optional<double> max_edge, const std::string& value, bool doubles,
-                             const std::optional<std::pair<double, double>>& light) {
+                             const std::optional<std::pair<double, double>>& light, int method) {
   RasterRequest request(res);
+  request.method(method == 0 ? RasterMethod::linear : method == 1 ? RasterMethod::natural : RasterMethod::laplace);
   if (bbox) request.bbox(*bbox);
   if (max_edge) request.max_edge(*max_edge);
   if (light) request.hillshade(light->first, light->second);

@@ -173,6 +173,7 @@ void add_question_routes(std::vector<Route>& routes) {
                           {"res", "number", "The width and height of a pixel, in units of the coordinates"},
                           {"max-edge", "number", "Draw no pixels in cells with a longer edge"},
                           {"value", "string", "The attribute of the vertices; default: z, the heights"},
+                          {"method", "string", "The method of interpolation: linear (default), natural or laplace"},
                           {"type", "string", "The type of the pixels: float32 (default) or float64"}}));
   const Parameter max_edge{"max-edge", "number", "Leave out cells with a longer edge"};
   const Parameter value{"value", "string", "The attribute of the vertices; default: z, the heights"};
