@@ -17,6 +17,13 @@ namespace tessera {
 class RasterRequest;
 extern template class TESSERA_PUBLIC SurfaceRequest<RasterRequest>;
 
+// How the value of a pixel follows from the vertices.
+enum class RasterMethod {
+  linear,   // linear in the cell that has the pixel
+  natural,  // Sibson's natural neighbours
+  laplace,  // natural neighbours, with the weights of Belikov and Sugihara
+};
+
 // Options of draw_raster() and write_raster(). Every function returns *this.
 class TESSERA_PUBLIC RasterRequest : public SurfaceRequest<RasterRequest> {
  public:
@@ -25,6 +32,8 @@ class TESSERA_PUBLIC RasterRequest : public SurfaceRequest<RasterRequest> {
 
   // The box that the raster covers: xmin, ymin, xmax, ymax. Default: the bounds of the result.
   RasterRequest& bbox(const std::array<double, 4>& box);
+  // Default: linear.
+  RasterRequest& method(RasterMethod method);
   // Draws a hillshade of the heights instead: the one that gdaldem hillshade -compute_edges makes of the raster. Light
   // comes from `azimuth`, in degrees clockwise from north, and `altitude`, in degrees above the horizon (above 0, at
   // most 90). Pixels are whole numbers from 1 to 255.

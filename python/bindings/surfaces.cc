@@ -17,10 +17,12 @@
 namespace tessera::python {
 namespace {
 
+// `method` is the place of its name in the list of _surfaces.py.
 RasterRequest raster_request(double res, const std::optional<std::array<double, 4>>& bbox,
                              std::optional<double> max_edge, std::optional<double> max_radius, const std::string& value,
-                             bool doubles, const std::optional<std::pair<double, double>>& light) {
+                             bool doubles, const std::optional<std::pair<double, double>>& light, int method) {
   RasterRequest request(res);
+  request.method(method == 0 ? RasterMethod::linear : method == 1 ? RasterMethod::natural : RasterMethod::laplace);
   if (bbox) request.bbox(*bbox);
   if (max_edge) request.max_edge(*max_edge);
   if (max_radius) request.max_radius(*max_radius);

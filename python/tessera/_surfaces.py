@@ -13,6 +13,8 @@ from ._arrays import exact_float64
 from ._errors import UsageError
 from ._options import Path, index
 
+_METHODS = ("linear", "natural", "laplace")
+
 
 class Raster(typing.NamedTuple):
     """A surface as a raster."""
@@ -61,15 +63,15 @@ class Surfaces:
     @typing.overload
     def dem(self, path: None = ..., *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ..., max_radius: float | None = ...,
             value: str = ..., doubles: bool = ..., overwrite: bool = ..., hillshade: bool = ...,
-            azimuth: float | None = ..., altitude: float | None = ...) -> Raster: ...
+            azimuth: float | None = ..., altitude: float | None = ..., method: str = ...) -> Raster: ...
 
     @typing.overload
     def dem(self, path: Path, *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ..., max_radius: float | None = ...,
             value: str = ..., doubles: bool = ..., overwrite: bool = ..., hillshade: bool = ...,
-            azimuth: float | None = ..., altitude: float | None = ...) -> None: ...
+            azimuth: float | None = ..., altitude: float | None = ..., method: str = ...) -> None: ...
 
     def dem(self, path=None, *, res, bbox=None, max_edge=None, max_radius=None, value="z", doubles=False, overwrite=False,
-            hillshade=False, azimuth=None, altitude=None):
+            hillshade=False, azimuth=None, altitude=None, method="linear"):
         """Draws the surface of a 2D result as a raster. Without a path returns a Raster; with `path` writes a Cloud
         Optimized GeoTIFF.
 
@@ -95,14 +97,20 @@ class Surfaces:
         azimuth, altitude
             The direction of the light for a hillshade: degrees clockwise from north, and degrees above the horizon.
             None: 315 and 45.
+        method
+            How values follow from the vertices: "linear" in each cell, "natural" (Sibson's natural neighbours) or
+            "laplace" (natural neighbours, with other weights).
 
         Warns with a UserWarning if a file is written and the coordinates have no coordinate system. The GIL is
         released; Ctrl-C leaves nothing half-written.
         """
         if not hillshade and not (azimuth is None and altitude is None):
             raise UsageError("azimuth and altitude are for a hillshade: give hillshade=True")
+        if method not in _METHODS:
+            raise UsageError(f"method is {method!r}; it must be one of {', '.join(_METHODS)}")
         light = (315.0 if azimuth is None else float(azimuth), 45.0 if altitude is None else float(altitude)) if hillshade else None
-        request = _tessera.RasterRequest(float(res), plane_box(bbox), number_or_none(max_edge), number_or_none(max_radius), value, bool(doubles), light)
+        request = _tessera.RasterRequest(float(res), plane_box(bbox), number_or_none(max_edge), number_or_none(max_radius), value, bool(doubles), light,
+                                         _METHODS.index(method))
         if path is None:
             values, left, top = _tessera.draw_raster(self._triangulation, request)
             return Raster(values, left, top, float(res), self._triangulation.crs)

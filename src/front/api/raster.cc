@@ -20,6 +20,20 @@ RasterRequest& RasterRequest::bbox(const std::array<double, 4>& box) {
   impl_->options.box = Bounds{{box[0], box[1], 0}, {box[2], box[3], 0}};
   return *this;
 }
+RasterRequest& RasterRequest::method(RasterMethod method) {
+  switch (method) {
+    case RasterMethod::linear:
+      impl_->options.method = DemMethod::linear;
+      break;
+    case RasterMethod::natural:
+      impl_->options.method = DemMethod::natural;
+      break;
+    case RasterMethod::laplace:
+      impl_->options.method = DemMethod::laplace;
+      break;
+  }
+  return *this;
+}
 RasterRequest& RasterRequest::hillshade(double azimuth, double altitude) {
   impl_->options.light = Light{azimuth, altitude};
   return *this;

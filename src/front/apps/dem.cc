@@ -27,6 +27,11 @@ Result<bool> parse_type(const std::string& text) {
   return error(Errc::usage, "'" + text + "' is not a type of pixels; the types are float32 and float64");
 }
 
+Result<DemMethod> parse_method(const std::string& text) {
+  if (const auto method = dem_method_of(text)) return *method;
+  return error(Errc::usage, "'" + text + "' is not a method; the methods are linear, natural and laplace");
+}
+
 // Returns the light of a hillshade; no value if none is wanted. Error usage for a direction of the light without
 // --hillshade.
 Result<std::optional<Light>> read_light(Settings& settings) {
@@ -58,6 +63,8 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
   BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& text) { return parse_distance(text); }));
   options.max_radius = radius;
   options.value = settings.text("value").value_or("z");
+  BOOST_OUTCOME_TRY(method, settings.get("method", parse_method));
+  options.method = method.value_or(DemMethod::linear);
   BOOST_OUTCOME_TRY(doubles, settings.get("type", parse_type));
   options.doubles = doubles.value_or(false);
   BOOST_OUTCOME_TRY(light, read_light(settings));
@@ -90,7 +97,7 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
     made = std::move(dem);
     return success();
   };
-  BOOST_OUTCOME_TRYV(on_tiles(settings, made_of, output, product, [&](const std::string& folder) -> Status {
+  const auto draw = [&](const std::string& folder) -> Status {
     if (names_server(settings)) return draw_remotely(settings, "dem", folder, target, output);
     BOOST_OUTCOME_TRYV(refuse_detach(settings));
     const Interrupt interrupt;
@@ -99,7 +106,10 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
     BOOST_OUTCOME_TRY(dem, std::move(result));
     made = std::move(dem);
     return success();
-  }));
+  };
+  // Natural neighbours may be in tiles that are not made yet.
+  BOOST_OUTCOME_TRYV(options.method == DemMethod::linear ? on_tiles(settings, made_of, output, product, draw)
+                                                         : on_result(settings, made_of, output, draw));
   if (made) print_drawn(*made, output);
   return success();
 }
@@ -112,6 +122,8 @@ Command add_dem(CLI::App& root) {
                   "  tessera dem ground/ --res 0.5 -o dem.tif                   (a Cloud Optimized GeoTIFF)\n"
                   "  tessera dem ground/ --res 0.5 --max-edge 5 -o dem.tif      (without cells that bridge gaps and "
                   "bays of the hull)\n"
+                  "  tessera dem ground/ --res 0.5 --method natural -o dem.tif  (smooth, by natural neighbours)\n"
+                  "  tessera dem cloud.laz --res 0.5 --returns first --keep highest -o canopy.tif\n"
                   "  tessera dem ground/ --res 0.5 --bbox 885000,629000,885100,629100 -o part.tif\n"
                   "  tessera dem ground/ --res 1 --value intensity -o intensity.tif\n"
                   "  tessera dem ground/ --res 0.5 --hillshade -o shade.tif");
@@ -123,6 +135,10 @@ Command add_dem(CLI::App& root) {
   add_value(command, "max-radius", "LENGTH",
             "draw no pixels in cells with a larger circumradius in the plane; default: no limit");
   add_value(command, "value", "NAME", "the attribute of the vertices to draw; default: z, the heights", 0, true);
+  add_value(command, "method", "NAME",
+            "how values follow from the vertices: linear in each cell (default), natural (Sibson's natural neighbours, "
+            "smooth but for the vertices), or laplace (natural neighbours, with other weights)");
+  add_choices(command, "method", "linear, natural, laplace");
   add_value(command, "type", "NAME", "the type of the pixels: float32 (default) or float64");
   add_choices(command, "type", "float32, float64");
   add_switch(command, "hillshade",

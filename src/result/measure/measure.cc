@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "src/base/crs/survey_system.h"
@@ -11,6 +13,7 @@
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/result/measure/tile_measure.h"
+#include "src/result/measure/values.h"
 #include "src/result/new_version.h"
 #include "src/result/pass.h"
 
@@ -63,10 +66,25 @@ void tell_total(const Manifest& manifest, Measured& measured) {
 }
 
 // Values of all measures, one after the other.
-Result<PassValues> values_of(Measures& measures, std::size_t index, const StoredTile& tile) {
-  PassValues all;
+Result<PassValues> values_of(Measures& measures, const TileSource& source, std::size_t index, const StoredTile& tile,
+                             const std::stop_token& stop) {
+  std::vector<std::unique_ptr<CellValues>> of_cells;
+  bool any = false;
   for (const auto& measure : measures) {
-    BOOST_OUTCOME_TRY(values, measure->of(index, tile));
+    of_cells.push_back(measure->cells_of(tile.mesh));
+    any = any || of_cells.back();
+  }
+  if (any) {
+    BOOST_OUTCOME_TRYV(
+        for_each_cell(source, index, tile.mesh, stop,
+                      [&](std::size_t cell, std::span<const std::int32_t> vertices, const ScaledInteger& exact) {
+                        for (const auto& one : of_cells)
+                          if (one) one->take(cell, vertices, exact);
+                      }));
+  }
+  PassValues all;
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    BOOST_OUTCOME_TRY(values, of_cells[i] ? Result<PassValues>(of_cells[i]->finish()) : measures[i]->of(index, tile));
     for (auto& each : values) all.push_back(std::move(each));
   }
   return all;
@@ -85,13 +103,13 @@ Status run(NewVersion& next, Measures& measures, std::vector<ResultColumn>& colu
              .stop = stop,
              .progress = options.progress});
   BOOST_OUTCOME_TRYV(next.check_room(columns, pass.scratch_bytes(), known_free_bytes(out)));
-  return pass.run([&](std::size_t index, const StoredTile& tile) { return values_of(measures, index, tile); },
-                  [&](std::size_t index, const PassValues& values) {
-                    std::vector<store::ColumnValues> made;
-                    for (std::size_t i = 0; i < passed.size(); ++i)
-                      made.push_back({passed[i].of_cells, passed[i].as, values[i]});
-                    return next.add_columns(index, made, stop);
-                  });
+  return pass.run(
+      [&](std::size_t index, const StoredTile& tile) { return values_of(measures, next.source(), index, tile, stop); },
+      [&](std::size_t index, const PassValues& values) {
+        std::vector<store::ColumnValues> made;
+        for (std::size_t i = 0; i < passed.size(); ++i) made.push_back({passed[i].of_cells, passed[i].as, values[i]});
+        return next.add_columns(index, made, stop);
+      });
 }
 
 }  // namespace
@@ -151,8 +169,8 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
   measured.note = note_of(manifest);
   measured.made = false;
   Measures wanted, missing;
-  if (options.volume) wanted.push_back(measure_volumes(next->source(), stop));
-  if (options.quality) wanted.push_back(measure_quality(next->source(), stop));
+  if (options.volume) wanted.push_back(measure_volumes(next->source()));
+  if (options.quality) wanted.push_back(measure_quality(next->source()));
   if (options.voronoi) wanted.push_back(measure_voronoi(next->source(), stop));
   if (options.density) {
     BOOST_OUTCOME_TRY(density, measure_density(next->source(), options.mass, options.memory_bytes, stop));

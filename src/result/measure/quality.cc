@@ -13,7 +13,7 @@ namespace {
 
 class Quality final : public TileMeasure {
  public:
-  Quality(const TileSource& source, std::stop_token stop) : source_(source), stop_(std::move(stop)) {}
+  explicit Quality(const TileSource& source) : source_(source) {}
 
   std::vector<ResultColumn> columns() const override {
     std::vector<ResultColumn> made;
@@ -31,31 +31,40 @@ class Quality final : public TileMeasure {
     return made;
   }
 
-  Result<PassValues> of(std::size_t index, const StoredTile& tile) override {
-    const TileMesh& mesh = tile.mesh;
-    std::array<std::vector<double>, 4> values;
-    for (auto& each : values) each.resize(mesh.cell_ghost.size());
-    std::uint64_t infinite = 0;
-    BOOST_OUTCOME_TRYV(
-        for_each_cell(source_, index, mesh, stop_,
-                      [&](std::size_t cell, std::span<const std::int32_t> vertices, const ScaledInteger& exact) {
-                        const CellQuality quality = quality_of_cell(mesh, vertices, exact);
-                        values[0][cell] = quality.radius_ratio;
-                        values[1][cell] = quality.least_angle;
-                        values[2][cell] = quality.largest_angle;
-                        values[3][cell] = quality.circumradius;
-                        infinite += mesh.cell_ghost[cell] == 0 && std::isinf(quality.circumradius) ? 1 : 0;
-                      }));
-    infinite_ += infinite;
-    PassValues bytes;
-    for (const auto& each : values) bytes.push_back(as_bytes(each));
-    return bytes;
-  }
+  std::unique_ptr<CellValues> cells_of(const TileMesh& mesh) override { return std::make_unique<OfTile>(*this, mesh); }
 
   void finish(std::vector<ResultColumn>& /*columns*/) const override {}
   std::uint64_t infinite() const override { return infinite_; }
 
  private:
+  class OfTile final : public CellValues {
+   public:
+    OfTile(Quality& all, const TileMesh& mesh) : all_(all), mesh_(mesh) {
+      for (auto& each : values_) each.resize(mesh.cell_ghost.size());
+    }
+
+    void take(std::size_t cell, std::span<const std::int32_t> vertices, const ScaledInteger& exact) override {
+      const CellQuality quality = quality_of_cell(mesh_, vertices, exact);
+      values_[0][cell] = quality.radius_ratio;
+      values_[1][cell] = quality.least_angle;
+      values_[2][cell] = quality.largest_angle;
+      values_[3][cell] = quality.circumradius;
+      infinite_ += mesh_.cell_ghost[cell] == 0 && std::isinf(quality.circumradius) ? 1 : 0;
+    }
+    PassValues finish() override {
+      all_.infinite_ += infinite_;
+      PassValues bytes;
+      for (const auto& each : values_) bytes.push_back(as_bytes(each));
+      return bytes;
+    }
+
+   private:
+    Quality& all_;
+    const TileMesh& mesh_;
+    std::array<std::vector<double>, 4> values_;
+    std::uint64_t infinite_ = 0;
+  };
+
   // By the vertices in the order of their ids, so that a cell has the same bits in all tiles.
   static CellQuality quality_of_cell(const TileMesh& mesh, std::span<const std::int32_t> vertices,
                                      const ScaledInteger& exact) {
@@ -74,14 +83,11 @@ class Quality final : public TileMeasure {
   }
 
   const TileSource& source_;
-  std::stop_token stop_;
   std::atomic<std::uint64_t> infinite_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<TileMeasure> measure_quality(const TileSource& source, std::stop_token stop) {
-  return std::make_unique<Quality>(source, std::move(stop));
-}
+std::unique_ptr<TileMeasure> measure_quality(const TileSource& source) { return std::make_unique<Quality>(source); }
 
 }  // namespace tessera

@@ -28,7 +28,7 @@ inline Error not_oriented(const TileSource& source, std::size_t index, std::size
 }
 
 // Calls `take(cell, corners, exact)` for each cell of the tile, with its d + 1 vertices in the order of the file, and
-// d! times its volume. Errors: those of TileMeasure::of().
+// d! times its volume. Errors: corrupt for a cell that is not positively oriented; interrupted.
 template <class Take>
 Status for_each_cell(const TileSource& source, std::size_t index, const TileMesh& mesh, const std::stop_token& stop,
                      const Take& take) {

@@ -30,7 +30,7 @@ std::vector<double> stars_of(const TileMesh& mesh, const std::vector<double>& vo
 
 class Volumes final : public TileMeasure {
  public:
-  Volumes(const TileSource& source, std::stop_token stop) : source_(source), stop_(std::move(stop)) {}
+  explicit Volumes(const TileSource& source) : source_(source) {}
 
   std::vector<ResultColumn> columns() const override {
     const Manifest& manifest = source_.manifest();
@@ -48,26 +48,7 @@ class Volumes final : public TileMeasure {
     return both;
   }
 
-  Result<PassValues> of(std::size_t index, const StoredTile& tile) override {
-    const TileMesh& mesh = tile.mesh;
-    const unsigned factorial = mesh.dimension == 2 ? 2 : 6;
-    std::vector<double> volumes(mesh.cell_ghost.size());
-    ExactSum sum;
-    std::uint64_t infinite = 0;
-    BOOST_OUTCOME_TRYV(for_each_cell(source_, index, mesh, stop_,
-                                     [&](std::size_t cell, std::span<const std::int32_t>, const ScaledInteger& exact) {
-                                       volumes[cell] = rounded_quotient(exact, factorial);
-                                       if (mesh.cell_ghost[cell] != 0) return;
-                                       sum.add(exact);
-                                       infinite += std::isinf(volumes[cell]) ? 1 : 0;
-                                     }));
-    const auto stars = stars_of(mesh, volumes);
-    for (const double star : stars) infinite += std::isinf(star) ? 1 : 0;
-    const std::lock_guard lock(mutex_);
-    sum_.add(sum);
-    infinite_ += infinite;
-    return PassValues{as_bytes(volumes), as_bytes(stars)};
-  }
+  std::unique_ptr<CellValues> cells_of(const TileMesh& mesh) override { return std::make_unique<OfTile>(*this, mesh); }
 
   void finish(std::vector<ResultColumn>& columns) const override {
     columns[0].total = rounded_quotient(sum_.value(), source_.manifest().dimension == 2 ? 2 : 6);
@@ -75,8 +56,34 @@ class Volumes final : public TileMeasure {
   std::uint64_t infinite() const override { return infinite_; }
 
  private:
+  class OfTile final : public CellValues {
+   public:
+    OfTile(Volumes& all, const TileMesh& mesh) : all_(all), mesh_(mesh), volumes_(mesh.cell_ghost.size()) {}
+
+    void take(std::size_t cell, std::span<const std::int32_t> /*vertices*/, const ScaledInteger& exact) override {
+      volumes_[cell] = rounded_quotient(exact, mesh_.dimension == 2 ? 2 : 6);
+      if (mesh_.cell_ghost[cell] != 0) return;
+      sum_.add(exact);
+      infinite_ += std::isinf(volumes_[cell]) ? 1 : 0;
+    }
+    PassValues finish() override {
+      const auto stars = stars_of(mesh_, volumes_);
+      for (const double star : stars) infinite_ += std::isinf(star) ? 1 : 0;
+      const std::lock_guard lock(all_.mutex_);
+      all_.sum_.add(sum_);
+      all_.infinite_ += infinite_;
+      return PassValues{as_bytes(volumes_), as_bytes(stars)};
+    }
+
+   private:
+    Volumes& all_;
+    const TileMesh& mesh_;
+    std::vector<double> volumes_;
+    ExactSum sum_;
+    std::uint64_t infinite_ = 0;
+  };
+
   const TileSource& source_;
-  std::stop_token stop_;
   std::mutex mutex_;
   ExactSum sum_;
   std::uint64_t infinite_ = 0;
@@ -84,8 +91,6 @@ class Volumes final : public TileMeasure {
 
 }  // namespace
 
-std::unique_ptr<TileMeasure> measure_volumes(const TileSource& source, std::stop_token stop) {
-  return std::make_unique<Volumes>(source, std::move(stop));
-}
+std::unique_ptr<TileMeasure> measure_volumes(const TileSource& source) { return std::make_unique<Volumes>(source); }
 
 }  // namespace tessera

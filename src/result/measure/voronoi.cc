@@ -32,6 +32,11 @@ class VoronoiCells {
   VoronoiCell of(std::size_t vertex) {
     VoronoiCell cell;
     const auto star = stars_.of(vertex);
+    if (corners_ == 3 && find_ring(vertex, star)) {
+      cell.neighbours = static_cast<std::uint32_t>(ring_.size());
+      measure(cell, vertex, [&](auto number) { return sum_of_ring<decltype(number)>(vertex); });
+      return cell;
+    }
     cell.neighbours = count_neighbours(vertex, star);
     const Border border = border_of(vertex, star);
     if (border != Border::none) {
@@ -40,19 +45,73 @@ class VoronoiCells {
       cell.centroid = {nan_, nan_, nan_};
       return cell;
     }
-    const VoronoiPart<Long> quick = sum_of<Long>(vertex, star);
-    // A long double has 64 bits; a few dozen operations stand behind each part.
-    constexpr Long error = 32 * std::numeric_limits<Long>::epsilon(), accepted = 1e-15L;
-    if (quick.volume > 0 && error * quick.doubt <= accepted * quick.volume)
-      fill(cell, vertex, quick);
-    else
-      fill(cell, vertex, sum_of<Wide>(vertex, star));
+    measure(cell, vertex, [&](auto number) { return sum_of<decltype(number)>(vertex, star); });
     return cell;
   }
 
  private:
   enum class Border : std::uint8_t { none, hull, unknown };
   static constexpr double nan_ = std::numeric_limits<double>::quiet_NaN();
+
+  // `sum` gets a number of the kind to compute with.
+  template <class Sum>
+  void measure(VoronoiCell& cell, std::size_t vertex, const Sum& sum) const {
+    const VoronoiPart<Long> quick = sum(Long());
+    // A long double has 64 bits; a few dozen operations stand behind each part.
+    constexpr Long error = 32 * std::numeric_limits<Long>::epsilon(), accepted = 1e-15L;
+    if (quick.volume > 0 && error * quick.doubt <= accepted * quick.volume)
+      fill(cell, vertex, quick);
+    else
+      fill(cell, vertex, sum(Wide()));
+  }
+
+  // In 2D, finds the neighbours counterclockwise, from the one with the least source index: so sums over them have the
+  // same bits wherever the cells are stored. Returns false when the cells around the vertex are not a ring: it is on
+  // the hull, or not all cells are known.
+  bool find_ring(std::size_t vertex, std::span<const std::uint32_t> star) {
+    ring_.clear();
+    if (star.empty()) return false;
+    const auto corner_of = [&](std::uint32_t cell) {
+      std::size_t k = 0;
+      while (k < 2 && static_cast<std::size_t>(vertex_at(cell, k)) != vertex) ++k;
+      return k;
+    };
+    std::uint32_t first = star.front();
+    PointId least{std::numeric_limits<std::uint64_t>::max()};
+    for (const std::uint32_t cell : star) {
+      const auto next = static_cast<std::size_t>(vertex_at(cell, (corner_of(cell) + 1) % 3));
+      if (mesh_.ids[next] < least) {
+        least = mesh_.ids[next];
+        first = cell;
+      }
+    }
+    std::uint32_t cell = first;
+    do {
+      const std::size_t own = corner_of(cell);
+      if (ring_.size() == star.size() || static_cast<std::size_t>(vertex_at(cell, own)) != vertex) return false;
+      ring_.push_back(vertex_at(cell, (own + 1) % 3));
+      const std::int32_t beyond = mesh_.neighbors[cell * 3 + (own + 1) % 3];
+      if (beyond < 0) return false;
+      cell = static_cast<std::uint32_t>(beyond);
+    } while (cell != first);
+    return ring_.size() == star.size();
+  }
+
+  template <class Number>
+  VoronoiPart<Number> sum_of_ring(std::size_t vertex) const {
+    constexpr std::size_t usual = 24;
+    std::array<Vec<Number>, usual> few;
+    std::vector<Vec<Number>> many;
+    if (ring_.size() > usual) many.resize(ring_.size());
+    const std::span<Vec<Number>> corners = ring_.size() > usual ? std::span(many) : std::span(few).first(ring_.size());
+    const Point& at = mesh_.points[vertex];
+    for (std::size_t k = 0; k < ring_.size(); ++k) {
+      const Point& p = mesh_.points[static_cast<std::size_t>(ring_[k])];
+      corners[k].x = Number(p.x) - Number(at.x);
+      corners[k].y = Number(p.y) - Number(at.y);
+    }
+    return voronoi::cell_2<Number>(corners);
+  }
 
   std::int32_t vertex_at(std::uint32_t cell, std::size_t k) const { return mesh_.cells[cell * corners_ + k]; }
 
@@ -144,6 +203,7 @@ class VoronoiCells {
   const std::size_t corners_;
   const Stars stars_;
   std::vector<std::int32_t> near_;
+  std::vector<std::int32_t> ring_;
 };
 
 class Voronoi final : public TileMeasure {

@@ -62,6 +62,45 @@ VoronoiPart<Number> part_2(const query::Vec<Number>& a, const query::Vec<Number>
   return part;
 }
 
+// The Voronoi cell of a vertex in 2D as one sum. `corners` are its neighbours relative to it, counterclockwise, from a
+// first one that does not depend on how they are stored; each and the next are in one Delaunay cell. The same sum as
+// that of part_2(), with one root and two divisions for each neighbour.
+template <class Number>
+VoronoiPart<Number> cell_2(std::span<const query::Vec<Number>> corners) {
+  using query::Vec;
+  VoronoiPart<Number> cell;
+  const Vec<Number>& first = corners.front();
+  const Number first_square = query::dot(first, first), first_length = length_of(first);
+  Number aa = first_square, la = first_length, first_flag = 0, flag_before = 0;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const bool last = k + 1 == corners.size();
+    const Vec<Number>&a = corners[k], &b = last ? first : corners[k + 1];
+    const Number bb = last ? first_square : query::dot(b, b), lb = last ? first_length : length_of(b);
+    const Number twice = a.x * b.y - a.y * b.x, half = 1 / (2 * twice);
+    const Number x = (aa * b.y - bb * a.y) * half, y = (bb * a.x - aa * b.x) * half;  // of the circumcentre
+    const Number at_a = a.x * y - a.y * x, at_b = x * b.y - y * b.x;                  // areas times 4
+    cell.volume += at_a + at_b;
+    const Number both = at_a + at_b;
+    cell.moment.x += (at_a * a.x + at_b * b.x) / 2 + both * x;
+    cell.moment.y += (at_a * a.y + at_b * b.y) / 2 + both * y;
+    // The edge of the Voronoi cell between it and that of a neighbour has two triangles, of which one is in each cell.
+    if (k == 0)
+      first_flag = at_a;
+    else
+      cell.surface += (flag_before + at_a) / la;
+    flag_before = at_b;
+    const Number sizes = la * lb, reach = sizes * (la + lb) * half;
+    cell.doubt += static_cast<long double>((la + lb) * reach * (1 + 2 * sizes * half));
+    aa = bb;
+    la = lb;
+  }
+  cell.surface += (flag_before + first_flag) / first_length;
+  cell.doubt /= 4;
+  cell.volume /= 4;
+  cell.moment = (Number(1) / 12) * cell.moment;
+  return cell;
+}
+
 template <class Number>
 VoronoiPart<Number> part_3(const query::Vec<Number>& a, const query::Vec<Number>& b, const query::Vec<Number>& c) {
   using query::Vec;

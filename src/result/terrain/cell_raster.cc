@@ -62,7 +62,7 @@ double value_at(const Triangle& cell, const Point& q) {
   return mix(cell, part(a), part(b), part(c));
 }
 
-Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit) {
+Status for_each_part_of_large(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit) {
   Bounds around;
   for (const Corner& corner : cell) around.add(corner.at);
   // One pixel more on all sides, which only costs time.

@@ -35,10 +35,9 @@ bool has_pixel(const Triangle& cell, const Point& centre);
 // right to 1e-11, however thin the cell is. The sum is taken in the order of the corners.
 double value_at(const Triangle& cell, const Point& q);
 
-// Calls put(column, row, value) for each pixel of `grid` that the counterclockwise cell has. The values do not depend
-// on the order of its corners.
-template <class Put>
-void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
+// Calls visit(column, row, centre) for each pixel of `grid` that the counterclockwise cell has.
+template <class Visit>
+void for_each_centre(const Grid& grid, const Triangle& cell, const Visit& visit) {
   // Positions in units of pixels are right to 2^-9 (pixels_max). Pixels that are nearer to an edge than this are
   // decided exactly.
   constexpr double slack = 0x1p-6;
@@ -55,8 +54,6 @@ void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
   const std::int64_t row_end = last(y1, grid.row0 + grid.height - 1);
   const std::int64_t left = first(x0, grid.column0), right = last(x1, grid.column0 + grid.width - 1);
   if (left > right) return;
-  Triangle sorted;
-  bool is_sorted = false;
   for (std::int64_t row = first(y0, grid.row0); row <= row_end; ++row) {
     Point centre{0, grid.centre(row), 0};
     // The interval of the line of centres that is in the cell.
@@ -82,20 +79,41 @@ void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
       const auto at = static_cast<double>(column);
       const bool sure = !through_corner && at > sure_from && at < sure_to;
       if (!sure && !has_pixel(cell, centre)) continue;
-      if (!is_sorted) {
-        sorted = cell;
-        std::sort(sorted.begin(), sorted.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
-        is_sorted = true;
-      }
-      put(column, row, value_at(sorted, centre));
+      visit(column, row, centre);
     }
   }
+}
+
+// The corners in the order of their ids.
+inline Triangle by_id(Triangle cell) {
+  std::sort(cell.begin(), cell.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
+  return cell;
+}
+
+// Calls put(column, row, value) for each pixel of `grid` that the counterclockwise cell has. The values do not depend
+// on the order of its corners.
+template <class Put>
+void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
+  Triangle sorted;
+  bool is_sorted = false;
+  for_each_centre(grid, cell, [&](std::int64_t column, std::int64_t row, const Point& centre) {
+    if (!is_sorted) sorted = by_id(cell);
+    is_sorted = true;
+    put(column, row, value_at(sorted, centre));
+  });
 }
 
 // Divides the pixels of `grid` that may be in the cell into parts of at most part_side x part_side pixels. Calling
 // for_each_pixel() for all parts is the same as calling it for the grid. A cell of few pixels has one part. Calls
 // visit(part) until it returns an error.
 inline constexpr std::int64_t part_side = 2048;
-Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit);
+Status for_each_part_of_large(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit);
+template <class Visit>
+Status for_each_part(const Grid& grid, const Triangle& cell, const Visit& visit) {
+  const auto [x0, x1] = std::minmax({cell[0].at.x, cell[1].at.x, cell[2].at.x});
+  const auto [y0, y1] = std::minmax({cell[0].at.y, cell[1].at.y, cell[2].at.y});
+  if (std::max(x1 - x0, y1 - y0) < static_cast<double>(part_side - 4) * grid.res) return visit(grid);
+  return for_each_part_of_large(grid, cell, visit);
+}
 
 }  // namespace tessera::terrain

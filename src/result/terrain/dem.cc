@@ -18,6 +18,7 @@
 #include "src/result/terrain/cog_file.h"
 #include "src/result/terrain/drawing.h"
 #include "src/result/terrain/hillshade.h"
+#include "src/result/terrain/natural_drawing.h"
 #include "src/result/terrain/tiles.h"
 
 namespace tessera {
@@ -108,13 +109,14 @@ class DemMaker::Impl {
     return std::unique_ptr<Impl>(new Impl(out, std::move(asked), target, options, stop, std::move(file)));
   }
 
+  // REQUIRES: the method is linear.
   Status draw(const StoredTile& cells) { return drawing_.run(cells); }
   Status draw(const TileSource& source) {
     BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked_, source, options_, stop_));
     TileQueue tiles(source, std::move(entries), stop_, [&](double done) {
       if (options_.progress) options_.progress(terrain::drawing_part * done);
     });
-    return drawing_.run(tiles);
+    return options_.method == DemMethod::linear ? drawing_.run(tiles) : natural_.run(tiles);
   }
 
   Result<Dem> finish() {
@@ -126,9 +128,9 @@ class DemMaker::Impl {
                .width = asked_.grid.width,
                .height = asked_.grid.height,
                .pixels = file_->pixels(),
-               .left_out = drawing_.left_out(),
+               .left_out = drawing_.left_out() + natural_.left_out(),
                .bytes = bytes,
-               .note = terrain::note_of(asked_.manifest, options_.box)};
+               .note = terrain::note_of(asked_.manifest, options_.box, natural_.unknown())};
   }
 
  private:
@@ -142,7 +144,9 @@ class DemMaker::Impl {
         file_(std::move(file)),
         drawing_(out_, asked_.manifest, asked_.column, asked_.grid,
                  terrain::drawing_options(options_, options_.memory_bytes / 4 * 3), stop_,
-                 [this](terrain::Blocks& blocks) { return file_->add(blocks); }) {}
+                 [this](terrain::Blocks& blocks) { return file_->add(blocks); }),
+        natural_(asked_.column, asked_.grid, terrain::drawing_options(options_, options_.memory_bytes / 4 * 3),
+                 options_.method, stop_, [this](terrain::Blocks& blocks) { return file_->add(blocks); }) {}
 
   fs::path out_;
   terrain::Asked asked_;
@@ -151,6 +155,7 @@ class DemMaker::Impl {
   std::stop_token stop_;
   std::unique_ptr<terrain::CogFile> file_;
   terrain::Drawing drawing_;  // refers to the members above
+  terrain::NaturalDrawing natural_;
 };
 
 DemMaker::DemMaker(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -183,6 +188,7 @@ Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOpti
 
 Result<Dem> write_dem_of(const fs::path& out, const Manifest& manifest, const StoredTile& cells, const fs::path& target,
                          const DemOptions& options, std::stop_token stop) {
+  if (options.method != DemMethod::linear) return write_dem(out, target, options, stop);
   BOOST_OUTCOME_TRY(dem, DemMaker::Impl::begin(out, manifest, target, options, stop));
   BOOST_OUTCOME_TRYV(dem->draw(cells));
   return dem->finish();
@@ -224,10 +230,11 @@ Result<DemArray> draw_dem(const fs::path& out, const DemOptions& options, std::u
   };
   BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, source, options, stop));
   TileQueue tiles(source, std::move(entries), stop, [](double) {});
-  terrain::Drawing drawing(out, asked.manifest, asked.column, grid,
-                           terrain::drawing_options(options, options.memory_bytes), stop, take);
-  BOOST_OUTCOME_TRYV(drawing.run(tiles));
-  array.left_out = drawing.left_out();
+  const terrain::DrawingOptions how = terrain::drawing_options(options, options.memory_bytes);
+  terrain::Drawing linear(out, asked.manifest, asked.column, grid, how, stop, take);
+  terrain::NaturalDrawing natural(asked.column, grid, how, options.method, stop, take);
+  BOOST_OUTCOME_TRYV(options.method == DemMethod::linear ? linear.run(tiles) : natural.run(tiles));
+  array.left_out = linear.left_out() + natural.left_out();
   if (options.light) {
     BOOST_OUTCOME_TRYV(terrain::shade(array, grid.res, *options.light, stop));
   }

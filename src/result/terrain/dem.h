@@ -1,4 +1,5 @@
-// Draws a 2D result as a raster: the heights of its surface, or another attribute of its vertices, linear in each cell.
+// Draws a 2D result as a raster: the heights of its surface, or another attribute of its vertices. Values between
+// vertices are linear in each cell, or follow from natural neighbours.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include "src/base/result.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/store/tile_taker.h"
+#include "src/result/terrain/dem_method.h"
 
 namespace tessera {
 
@@ -31,8 +33,9 @@ struct DemOptions {
   std::optional<double> max_edge = {};    // cells with a longer edge in the plane have no pixels
   std::optional<double> max_radius = {};  // and cells with a larger circumradius
   std::string value = "z";                // an attribute of the vertices; z has the heights
-  bool doubles = false;                   // pixels have 64 bits, not 32
-  std::optional<Light> light = {};        // draw a hillshade of the values; they must have the unit of the coordinates
+  DemMethod method = DemMethod::linear;
+  bool doubles = false;             // pixels have 64 bits, not 32
+  std::optional<Light> light = {};  // draw a hillshade of the values; they must have the unit of the coordinates
   bool overwrite = false;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least the memory of one tile is used
   unsigned threads = 1;
@@ -45,7 +48,7 @@ struct Dem {
   std::uint64_t pixels = 0;            // with a value
   std::uint64_t left_out = 0;          // cells left out because of their edges
   std::uint64_t bytes = 0;             // of the file
-  std::string note = {};               // a sentence when the coordinates have no coordinate system; else empty
+  std::string note = {};               // sentences about the coordinate system and pixels without a value; else empty
 };
 
 // One line of JSON, without its end, for the command's output.
@@ -53,18 +56,19 @@ std::string to_json(const Dem& dem);
 
 // Writes `target`, a Cloud Optimized GeoTIFF with overviews. Pixels without a cell, or with a value that is NaN, get
 // the nodata value NaN. Which cell has a pixel, and the value, depends only on the triangulation: every pixel is the
-// same to the last bit however the result is tiled (cell_raster.h), and in rasters of different boxes (grid.h). Reads
-// only tiles with cells in the box, or all tiles when there is no box or it covers half of the result. Writes under a
-// temporary name, beside a scratch file as large as the raster, and renames at the end. Errors: usage, before anything
-// is written, for wrong options, a 3D result, a missing attribute or an existing target; corrupt for a damaged tile;
-// io; interrupted.
+// same to the last bit however the result is tiled (cell_raster.h, natural_value.h), and in rasters of different boxes
+// (grid.h). Reads only tiles with cells in the box, and those of their natural neighbours; or all tiles when there is
+// no box or it covers half of the result. Writes under a temporary name, beside a scratch file as large as the raster,
+// and renames at the end. Errors: usage, before anything is written, for wrong options, a 3D result, a missing
+// attribute or an existing target; corrupt for a damaged tile; io; interrupted.
 Result<Dem> write_dem(const std::filesystem::path& out, const std::filesystem::path& target, const DemOptions& options,
                       std::stop_token stop);
 
 // Error usage for an existing file, unless `overwrite` is set, and for a name that is not one of a GeoTIFF.
 Status check_dem_target(const std::filesystem::path& target, bool overwrite);
 
-// Draws the same pixels from tiles as a job makes them. No tile is stored or read.
+// Draws the same pixels from tiles as a job makes them. No tile is stored or read. REQUIRES: options.method is linear,
+// because natural neighbours may be in tiles that have not come.
 class DemMaker final : public TileConsumer {
  public:
   // `manifest` is that of the result that the job would make, without tiles. `name` is for errors. Up to
@@ -86,7 +90,7 @@ class DemMaker final : public TileConsumer {
 };
 
 // Draws the same pixels from cells in memory: all main cells that have the centre of a pixel, with their rows, and
-// perhaps others. Reads no tile.
+// perhaps others. Reads tiles only for another method than linear.
 Result<Dem> write_dem_of(const std::filesystem::path& out, const Manifest& manifest, const StoredTile& cells,
                          const std::filesystem::path& target, const DemOptions& options, std::stop_token stop);
 

@@ -61,12 +61,15 @@ Result<std::vector<std::size_t>> tiles_meeting(const TileSource& source, const s
   return tiles;
 }
 
-std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box) {
+std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box, std::uint64_t unknown_pixels) {
   std::string note = crs_note(manifest.crs);
   if (!query::knows(manifest, box.value_or(manifest.bounds)))
     note +=
         std::string(note.empty() ? "" : "; ") +
         "the region does not hold all cells of this box: the whole triangulation may have more or other cells there";
+  if (unknown_pixels > 0)
+    note += (note.empty() ? "" : "; ") + std::to_string(unknown_pixels) +
+            " pixels have no value, because the region does not hold all of their natural neighbours";
   return note;
 }
 

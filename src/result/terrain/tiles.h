@@ -34,8 +34,8 @@ struct Looking {
 Result<std::vector<std::size_t>> tiles_meeting(const TileSource& source, const std::optional<Bounds>& box,
                                                const Looking& looking);
 
-// Remarks about a drawing: that its coordinates have no coordinate system, or that a region does not know the whole
-// box. Else empty.
-std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box);
+// Remarks about a drawing: that its coordinates have no coordinate system, that a region does not know the whole box,
+// or how many pixels have no value because the region does not know their neighbours. Else empty.
+std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box, std::uint64_t unknown_pixels = 0);
 
 }  // namespace tessera::terrain

@@ -174,6 +174,7 @@ void add_question_routes(std::vector<Route>& routes) {
                           {"max-edge", "number", "Draw no pixels in cells with a longer edge"},
                           {"max-radius", "number", "Draw no pixels in cells with a larger circumradius"},
                           {"value", "string", "The attribute of the vertices; default: z, the heights"},
+                          {"method", "string", "The method of interpolation: linear (default), natural or laplace"},
                           {"type", "string", "The type of the pixels: float32 (default) or float64"}}));
   const Parameter max_edge{"max-edge", "number", "Leave out cells with a longer edge"};
   const Parameter max_radius{"max-radius", "number", "Leave out cells with a larger circumradius"};

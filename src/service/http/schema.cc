@@ -22,6 +22,7 @@ ordered_json values_of(const FieldDescriptor& field) {
       {"keep", {"first", "last", "lowest", "highest"}},
       {"returns", {"all", "first", "last", "single"}},
       {"type", {"float32", "float64"}},
+      {"method", {"linear", "natural", "laplace"}},
       {"without", {"withheld", "synthetic", "overlap", "key_point"}}};
   static const std::map<std::string, ordered_json> others{
       {"tessera.proto.StatusInfo.status", {"accepted", "running", "successful", "failed", "dismissed"}},

@@ -50,6 +50,12 @@ Result<DemOptions> dem_options(const proto::DemInputs& inputs, const JobShare& s
   BOOST_OUTCOME_TRYV(read_common(inputs, share, options));
   BOOST_OUTCOME_TRY(res, length_of("res", inputs.res()));
   options.res = res;
+  if (inputs.has_method()) {
+    const auto method = dem_method_of(inputs.method());
+    if (!method)
+      return refuse("method", "'" + inputs.method() + "' is not a method; the methods are linear, natural and laplace");
+    options.method = *method;
+  }
   if (inputs.has_type()) {
     if (inputs.type() != "float32" && inputs.type() != "float64")
       return refuse("type", "'" + inputs.type() + "' is not a type of pixels; the types are float32 and float64");

@@ -65,6 +65,9 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"res", "The width and height of a pixel, in units of the coordinates."},
     {"value", "The attribute of the vertices to draw; default: z, the heights."},
     {"type", "The type of the pixels: float32 (default) or float64."},
+    {"method",
+     "How values follow from the vertices: linear in each cell (default), natural (Sibson's natural neighbours), or "
+     "laplace (natural neighbours, with other weights)."},
     {"hillshade", "Draw a hillshade of the surface instead of the heights."},
     {"azimuth", "hillshade: the direction of the light, in degrees clockwise from north; default: 315."},
     {"altitude", "hillshade: the height of the light above the horizon, in degrees; default: 45."},

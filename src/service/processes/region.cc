@@ -145,7 +145,9 @@ Result<proto::Estimate> estimate_boxes(const Workshop& shop, const proto::Region
   shop.clouds.give_back(std::move(lent));
   const auto refuse = [&](const std::string& why) {
     estimate.set_accepted(false);
-    estimate.set_reason("bbox: the parts of the files that meet it hold " + grouped(points) + " points, " + why);
+    estimate.set_reason(std::string(inputs.has_polygon() ? "polygon: the parts of the files that meet its box hold "
+                                                         : "bbox: the parts of the files that meet it hold ") +
+                        grouped(points) + " points, " + why);
   };
   if (inputs.partial()) return estimate;
   if (points > options.limits.max_points) {

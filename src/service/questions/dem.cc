@@ -21,6 +21,11 @@ Result<QuestionAnswer> answer_dem(const OpenQuestion& asked) {
   if (type != "float32" && type != "float64")
     return error(Errc::usage, "type: '" + type + "' is not a type of pixels; the types are float32 and float64");
   options.doubles = type == "float64";
+  const std::string name = asked.word("method", "linear");
+  const auto method = dem_method_of(name);
+  if (!method)
+    return error(Errc::usage, "method: '" + name + "' is not a method; the methods are linear, natural and laplace");
+  options.method = *method;
   const Bounds& bounds = asked.reader.stored.manifest().bounds;
   BOOST_OUTCOME_TRY(grid, terrain::grid_over(options.res, options.box.value_or(bounds), bounds));
   const auto pixels = static_cast<std::uint64_t>(grid.width) * static_cast<std::uint64_t>(grid.height);
