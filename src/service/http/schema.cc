@@ -103,7 +103,11 @@ const std::map<std::string, std::vector<std::string>>& required_fields() {
       {"ContoursInputs", {"triangulation", "interval"}},
       {"SurfaceInputs", {"triangulation"}},
       {"HagInputs", {"inputs", "triangulation"}},
-      {"MeasureInputs", {"triangulation"}}};
+      {"MeasureInputs", {"triangulation"}},
+      {"VoronoiInputs", {"triangulation", "output"}},
+      {"DensityInputs", {"triangulation", "output", "res"}},
+      {"AlphaInputs", {"triangulation", "output"}},
+      {"VolumeInputs", {"triangulation", "output"}}};
   return fields;
 }
 

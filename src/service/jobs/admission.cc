@@ -98,7 +98,11 @@ std::optional<proto::Problem> Admission::beside_others(const proto::JobRecord& j
   const auto& inputs = job.inputs();
   const auto& name = job.triangulation();
   const auto output = export_output(inputs);
+  const auto second = second_result_read(inputs);
   const auto clash = [](const std::string& detail) { return problem(409, detail, Errc::usage); };
+  const auto works_on = [&](const std::string& result, const std::string& id) {
+    return clash("triangulation '" + result + "': job " + id + " works on it; wait for that job to end, or dismiss it");
+  };
   std::uint64_t of_caller = 0, bytes_of_caller = inputs.ByteSizeLong(), queued = table_.waiting.size();
   for (const auto& id : table_.active) {
     const Job& other = *table_.jobs.at(id);
@@ -109,11 +113,14 @@ std::optional<proto::Problem> Admission::beside_others(const proto::JobRecord& j
       ++of_caller;
       bytes_of_caller += other.record.inputs().ByteSizeLong();
     }
-    if (name.empty() || other.record.triangulation() != name) continue;
+    const auto& others_name = other.record.triangulation();
+    if (!second.empty() && others_name == second && makes_result(other.record.inputs())) return works_on(second, id);
+    if (name.empty()) continue;
+    if (makes_result(inputs) && second_result_read(other.record.inputs()) == name) return works_on(name, id);
+    if (others_name != name) continue;
     // A job that makes a triangulation must be alone on it. Others may read it together, also while one of them adds
     // columns, because those become a new version; but they may not write the same export.
-    if (makes_result(inputs) || makes_result(other.record.inputs()))
-      return clash("triangulation '" + name + "': job " + id + " works on it; wait for that job to end, or dismiss it");
+    if (makes_result(inputs) || makes_result(other.record.inputs())) return works_on(name, id);
     if (changes_result(inputs) && changes_result(other.record.inputs()))
       return clash("triangulation '" + name + "': job " + id + " adds columns to it; wait for that job to end");
     if (output && export_output(other.record.inputs()) == output)

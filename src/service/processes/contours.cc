@@ -17,7 +17,7 @@ std::string usual_lines(const proto::Inputs& /*inputs*/) { return contours_of_re
 
 std::optional<proto::Problem> check_contour_options(const proto::Inputs& inputs, const JobShare& share) {
   if (const auto bad = problem_if(contour_options(inputs.contours(), share))) return bad;
-  return check_ending(inputs, ".gpkg", ".geojson");
+  return check_ending(inputs, {".gpkg", ".geojson"});
 }
 
 Reply<proto::Estimate> estimate_contours(const Workshop& shop, const proto::Inputs& inputs,

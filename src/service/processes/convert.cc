@@ -165,6 +165,10 @@ std::string beyond_share(const proto::Inputs& inputs, const JobShare& share) {
   if (inputs.has_surface()) look(inputs.surface());
   if (inputs.has_hag()) look(inputs.hag());
   if (inputs.has_measure()) look(inputs.measure());
+  if (inputs.has_voronoi()) look(inputs.voronoi());
+  if (inputs.has_density()) look(inputs.density());
+  if (inputs.has_alpha()) look(inputs.alpha());
+  if (inputs.has_volume()) look(inputs.volume());
   return told;
 }
 

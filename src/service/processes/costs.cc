@@ -10,6 +10,7 @@
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
 #include "src/job/report/human.h"
+#include "src/result/density/voxel_grid.h"
 #include "src/result/terrain/grid.h"
 #include "src/result/tileset/tileset.h"
 #include "src/service/problem.h"
@@ -20,6 +21,8 @@ namespace {
 
 // The vertices and pixels that a thread reads or writes in a second (docs/terrain.md).
 constexpr double terrain_rate = 2e6;
+// Of a number of a voxel, in the scratch file of a grid (src/result/density/density.h).
+constexpr std::uint64_t density_sum_bytes = 48;
 // For an estimate, for which a caller waits: some tenths of a second.
 constexpr std::uint64_t cells_looked_at_max = 1'000'000;
 
@@ -81,6 +84,26 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOpt
                        static_cast<double>(pixels) / (terrain_rate * std::max(1u, options.threads)));
   const auto disk = estimate.result_bytes() + estimate.temporary_bytes();
   return check_disk("res: a raster of " + grouped(pixels) + " pixels needs up to " + human_bytes(disk) +
+                        " of disk while it is made; ",
+                    disk, limits, data);
+}
+
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const density::GridOptions& options,
+                                          const ServiceLimits& limits, const std::filesystem::path& data,
+                                          proto::Estimate& estimate) {
+  add_surface(manifest, options.memory_bytes, options.threads, estimate);
+  const auto grid =
+      density::voxels_over(manifest.dimension, options.res, options.box.value_or(manifest.bounds), manifest.bounds);
+  if (!grid) return problem_of(grid.error());
+  const bool density = options.kind == density::GridKind::density;
+  const std::uint64_t components = options.kind == density::GridKind::curl && manifest.dimension == 3 ? 3 : 1;
+  const auto voxels = static_cast<std::uint64_t>(grid.value().voxels());
+  estimate.set_result_bytes(voxels * components * sizeof(double));
+  estimate.set_temporary_bytes(voxels * (components + (density ? 0 : 1)) * density_sum_bytes);
+  estimate.set_seconds(estimate.seconds() +
+                       static_cast<double>(voxels) / (terrain_rate * std::max(1u, options.threads)));
+  const auto disk = estimate.result_bytes() + estimate.temporary_bytes();
+  return check_disk("res: a grid of " + grouped(voxels) + " pixels or voxels needs up to " + human_bytes(disk) +
                         " of disk while it is made; ",
                     disk, limits, data);
 }

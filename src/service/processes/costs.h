@@ -14,6 +14,7 @@
 #include "src/base/result.h"
 #include "src/input/cloud/cloud.h"
 #include "src/job/job_options.h"
+#include "src/result/density/density.h"
 #include "src/result/export/export.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/terrain/contours.h"
@@ -34,8 +35,11 @@ std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& 
                                           const std::filesystem::path& data, proto::Estimate& estimate,
                                           std::span<const budget::NodeShare> nodes = {});
 
-// The same for a raster, for lines, or for an export of a result; `out` is the result's folder.
+// The same for a raster, a grid of densities, for lines, or for an export of a result; `out` is the result's folder.
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOptions& options,
+                                          const ServiceLimits& limits, const std::filesystem::path& data,
+                                          proto::Estimate& estimate);
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const density::GridOptions& options,
                                           const ServiceLimits& limits, const std::filesystem::path& data,
                                           proto::Estimate& estimate);
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const ContourOptions& options,

@@ -17,7 +17,7 @@ std::string usual_raster(const proto::Inputs& /*inputs*/) { return dem_of_result
 
 std::optional<proto::Problem> check_dem_options(const proto::Inputs& inputs, const JobShare& share) {
   if (const auto bad = problem_if(dem_options(inputs.dem(), share))) return bad;
-  return check_ending(inputs, ".tif", ".tiff");
+  return check_ending(inputs, {".tif", ".tiff"});
 }
 
 Reply<proto::Estimate> estimate_dem(const Workshop& shop, const proto::Inputs& inputs,

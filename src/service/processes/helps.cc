@@ -62,8 +62,8 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "When max_points, max_seconds or the memory is used up, store the cells that are known, instead of failing."},
     {"scan",
      "Read all files once to see where their points are, instead of relying on the boxes that the files state."},
-    {"res", "The width and height of a pixel, in units of the coordinates."},
-    {"value", "The attribute of the vertices to draw; default: z, the heights."},
+    {"res", "The width of a pixel or voxel, in units of the coordinates."},
+    {"value", "The attribute of the vertices to draw, or to take as heights; default: z, the heights."},
     {"type", "The type of the pixels: float32 (default) or float64."},
     {"method",
      "How values follow from the vertices: linear in each cell (default), natural (Sibson's natural neighbours), or "
@@ -72,7 +72,9 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"azimuth", "hillshade: the direction of the light, in degrees clockwise from north; default: 315."},
     {"altitude", "hillshade: the height of the light above the horizon, in degrees; default: 45."},
     {"interval", "The distance between levels, in units of the heights."},
-    {"base", "The height of one of the levels; default: 0."},
+    {"base",
+     "Contour lines: the height of one of the levels; default: 0. Volumes: polygons as text in GeoJSON, whose vertices "
+     "have heights and span the second surface; each polygon is a row."},
     {"smooth",
      "Draw lines of a smooth surface, the means of the surface in squares of this size; default: lines of the "
      "surface itself."},
@@ -81,7 +83,10 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "Where the sensor was that saw the points: auto (default: the best that the points tell), vertical (straight "
      "above), fields (attributes of the points), scan-angle, or point:X,Y,Z;..."},
     {"lambda", "How much the quality of triangles counts; a larger number makes a smoother surface; default: 1."},
-    {"alpha", "How much a ray, the line from a point to its sensor, counts; default: 32."},
+    {"alpha",
+     "Surfaces: how much a ray, the line from a point to its sensor, counts; default: 32. Alpha shapes: a radius, in "
+     "units of the coordinates; cells of a circumradius up to it make the shape; default: the least radius for which "
+     "the shape is one piece that has all points."},
     {"sigma",
      "How far a point may be from the surface, in units of the coordinates; default: for each point from the length "
      "of its edges."},
@@ -100,7 +105,21 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"replace", "Replace the dimension HeightAboveGround that a file has already."},
     {"volume", "The volume of each cell, and for each vertex that of the cells around it; for a 2D result areas."},
     {"quality", "The shape of each cell: radius ratio, least and largest angle, circumradius."},
-    {"voronoi", "The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid."}};
+    {"voronoi", "The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid."},
+    {"clip",
+     "To what cells are clipped: hull (the convex hull; default in 2D), none (default in 3D), a box "
+     "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax, or polygons as text in GeoJSON."},
+    {"mass", "The attribute of the vertices that has their masses; default: each point has mass 1."},
+    {"field", "Instead of the density, the mean of this attribute of the vertices."},
+    {"divergence",
+     "Instead of the density, the mean divergence of the vector with these attributes of the vertices as components."},
+    {"curl", "Instead of the density, the mean curl of such a vector: in 2D a number, in 3D a vector for each voxel."},
+    {"sample", "The values at the centres of pixels or voxels, not the means over them."},
+    {"general", "Also write singular facets, edges and vertices, which belong to no cell in the shape."},
+    {"second", "The name of the 2D result that is the surface after; the surface before is that of triangulation."},
+    {"plane", "The surface after is the level plane at this height."},
+    {"within", "Polygons as text in GeoJSON: a row for each of them, with the volumes inside of it."},
+    {"name", "The attribute that names the polygons; default: name or id, if there is one."}};
 
 }  // namespace
 

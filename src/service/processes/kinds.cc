@@ -47,6 +47,8 @@ std::optional<std::string> export_output(const proto::Inputs& inputs) {
 
 std::string result_read(const proto::Inputs& inputs) { return text_of(inputs, "triangulation"); }
 
+std::string second_result_read(const proto::Inputs& inputs) { return text_of(inputs, "second"); }
+
 bool overwrites(const proto::Inputs& inputs) {
   const auto* message = chosen(inputs);
   const auto* field = field_of(message, "overwrite");

@@ -1,5 +1,6 @@
 #include "src/service/processes/made_file.h"
 
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -41,10 +42,14 @@ Result<Json> written_files(const std::filesystem::path& folder) {
 
 }  // namespace
 
-std::optional<proto::Problem> check_ending(const proto::Inputs& inputs, const char* ending, const char* other) {
+std::optional<proto::Problem> check_ending(const proto::Inputs& inputs, std::initializer_list<const char*> endings) {
   const std::string output = *export_output(inputs);
-  if (output.ends_with(ending) || output.ends_with(other)) return std::nullopt;
-  return problem(400, "output: '" + output + "' must end in " + ending + " or " + other, Errc::usage);
+  std::string all;
+  for (const char* ending : endings) {
+    if (output.ends_with(ending)) return std::nullopt;
+    all += (all.empty() ? "" : ending == *std::prev(endings.end()) ? " or " : ", ") + std::string(ending);
+  }
+  return problem(400, "output: '" + output + "' must end in " + all, Errc::usage);
 }
 
 std::function<void(double)> percentage(const JobWork& work) {

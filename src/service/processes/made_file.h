@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <new>
 #include <optional>
 #include <string>
@@ -52,7 +53,7 @@ auto written_aside(const Workshop& shop, const std::filesystem::path& folder, co
 }
 
 // The problem of a file whose name ends otherwise.
-std::optional<proto::Problem> check_ending(const proto::Inputs& inputs, const char* ending, const char* other);
+std::optional<proto::Problem> check_ending(const proto::Inputs& inputs, std::initializer_list<const char*> endings);
 
 // Reports progress as a percentage, because there may be no points.
 std::function<void(double)> percentage(const JobWork& work);

@@ -22,12 +22,12 @@ std::optional<proto::Problem> check_field_name(const char* field, const std::str
   return problem(400, std::string(field) + ": '" + name + "' " + fits.error().where, Errc::usage);
 }
 
-std::optional<proto::Problem> check_exists(const ResultFolders& results, const std::string& name) {
-  if (auto bad = check_field_name("triangulation", name)) return bad;
+std::optional<proto::Problem> check_exists(const ResultFolders& results, const char* field, const std::string& name) {
+  if (auto bad = check_field_name(field, name)) return bad;
   const auto there = results.exists(name);
   if (!there) return problem_of(there.error());
   if (there.value()) return std::nullopt;
-  return problem(422, "triangulation: there is none called '" + name + "'", Errc::usage);
+  return problem(422, std::string(field) + ": there is no result called '" + name + "'", Errc::usage);
 }
 
 }  // namespace
@@ -49,9 +49,11 @@ std::optional<proto::Problem> Processes::check(const proto::Inputs& inputs, std:
   const bool reads = process->reads == Process::Reads::a_result ||
                      (process->reads == Process::Reads::perhaps_a_result && !name.empty());
   if (reads) {
-    if (auto bad = check_exists(shop_.results, name)) return bad;
+    if (auto bad = check_exists(shop_.results, "triangulation", name)) return bad;
     triangulation = name;
   }
+  if (const auto second = second_result_read(inputs); !second.empty())
+    if (auto bad = check_exists(shop_.results, "second", second)) return bad;
   return process->check == nullptr ? std::nullopt : process->check(shop_, inputs);
 }
 

@@ -22,7 +22,7 @@ class ProcessesBackend {
   // Submits a job. A repeated call with the same key and inputs returns the same job; with other inputs it is 422.
   virtual Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
                                   std::string_view idempotency_key = {}) = 0;
-  // Estimates the cost of triangulate, region, dem, contours and export.
+  // Estimates the cost of triangulate, region, dem, contours, density and export.
   virtual Reply<proto::Estimate> estimate(const proto::Inputs& inputs, const Caller& caller) = 0;
   // Answers short info jobs at once, with what `tessera info --json` prints. Statistics of many points and compressed
   // files take too long: 400, submit a job instead.

@@ -5,8 +5,10 @@
 
 namespace tessera::service {
 
+extern const Process alpha_process;
 extern const Process contours_process;
 extern const Process dem_process;
+extern const Process density_process;
 extern const Process export_process;
 extern const Process hag_process;
 extern const Process info_process;
@@ -15,5 +17,7 @@ extern const Process region_process;
 extern const Process surface_process;
 extern const Process triangulate_process;
 extern const Process verify_process;
+extern const Process volume_process;
+extern const Process voronoi_process;
 
 }  // namespace tessera::service

@@ -107,7 +107,8 @@ Reply<void> Results::remove(std::string_view name, const Caller& caller) {
     if (!there.value()) return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
     const std::lock_guard lock(table_.mutex);
     for (const auto& id : table_.active) {
-      if (table_.jobs.at(id)->record.triangulation() == name)
+      const auto& record = table_.jobs.at(id)->record;
+      if (record.triangulation() == name || second_result_read(record.inputs()) == name)
         return problem(409,
                        "triangulation '" + std::string(name) + "': job " + id +
                            " works on it; wait for that job to end, or dismiss it",
