@@ -255,6 +255,20 @@ TEST_F(Update, OfOnePointWakesFewTilesAndLinksTheOthers) {
   EXPECT_TRUE(verified) << "the old result stays as it is";
 }
 
+// Each side of the hole must not take far points for its neighbours and ask tile after tile.
+TEST_F(Update, OfAHoleWhereTilesMeetWakesTheTilesAroundItAlone) {
+  make({"uniform", 2, 64, PartitionKind::kdtree, TileKind::cells}, 12'000, seed, false);
+  std::vector<PointId> remove;
+  for (const LocalPoint& p : cloud_.points) {
+    if (std::hypot(p.at.x - 0.5, p.at.y - 0.5) < 0.05) remove.push_back(p.id);
+  }
+  ASSERT_GT(remove.size(), 30u);
+  const Updated updated = update(change(remove, {}));
+  EXPECT_GE(updated.begun, 4u);
+  EXPECT_LE(updated.awake, 12u);
+  expect_as_from_scratch();
+}
+
 TEST_F(Update, ThatIsDryWritesNothingAndTellsTheSame) {
   make(planar, 600, seed, true);
   const ResultChange wanted = change({cloud_.points[17].id, cloud_.points[18].id}, {{0.5, 0.5, 0}});

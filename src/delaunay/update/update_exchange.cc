@@ -60,11 +60,29 @@ Status UpdateExchange::choose_common() {
   return success();
 }
 
+// Where points were removed at a border, a tile no longer knows what is beyond. It would take far points for its
+// neighbours, and wake tile after tile. So it knows from the start the points around the holes in the tiles that touch
+// it. Without this the removal of 100 points where 8 of 64 tiles meet woke all tiles.
+void UpdateExchange::tell_of_holes(const std::vector<TileId>& beginners) {
+  constexpr std::size_t points_max = 4096;  // of one tile
+  std::map<TileId, std::vector<SharedPoint>> affected;
+  for (const TileId id : beginners) affected[id] = tiles_.at(id)->affected(points_max);
+  for (const TileId id : beginners) {
+    std::vector<SharedPoint> beside;
+    for (const TileId other : setting_.around.neighbours(id)) {
+      const auto found = affected.find(other);
+      if (found != affected.end()) beside.insert(beside.end(), found->second.begin(), found->second.end());
+    }
+    tiles_.at(id)->know(beside);
+  }
+}
+
 Status UpdateExchange::begin() {
   std::vector<TileId> beginners;
   for (const auto& [id, tile] : tiles_) {
     if (tile->begins()) beginners.push_back(id);
   }
+  tell_of_holes(beginners);
   BOOST_OUTCOME_TRYV(for_each(beginners, [&](WokenTile& tile) -> Status {
     BOOST_OUTCOME_TRYV(tile.begin(common_));
     return tile.step({});

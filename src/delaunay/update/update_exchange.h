@@ -27,6 +27,7 @@ class UpdateExchange {
   Status read(const std::set<TileId>& wanted);
   Status read_beginners();
   Status choose_common();
+  void tell_of_holes(const std::vector<TileId>& beginners);
   Status begin();
   Status round();
   void post(TileId from);

@@ -47,9 +47,7 @@ Status WokenTile::read() {
   lost_ = changed.lost;
   foreign_ = std::move(changed.foreign);
   put_in_hilbert_order(foreign_, manifest.dimension);
-
-  tsl::robin_map<PointId, std::uint8_t, MixHash> old;
-  for (std::size_t i = 0; i < changed.own.size(); ++i) old[changed.own[i].id] = changed.fresh[i];
+  for (std::size_t i = 0; i < changed.own.size(); ++i) old_[changed.own[i].id] = changed.fresh[i];
   std::vector<LocalPoint> own = std::move(changed.own);
   if (!own.empty()) old_point_ = SharedPoint{own[0].at, own[0].id, self_, 0};
   for (std::size_t v = 0; lost_ && v < mesh.ids.size(); ++v) {
@@ -66,13 +64,33 @@ Status WokenTile::read() {
   points_ = std::move(ordered.points);
   ids_ = std::move(ordered.ids);
   for (const PointId id : ids_) {
-    const auto known = old.find(id);
-    fresh_.push_back(known == old.end() ? 1 : known->second);
+    const auto known = old_.find(id);
+    fresh_.push_back(known == old_.end() ? 1 : known->second);
     begins_ |= fresh_.back() != 0;
   }
   rows_ = std::move(stored.rows);
   for (std::size_t v = 0; !rows_.empty() && v < mesh.ids.size(); ++v) row_of_[mesh.ids[v]] = v;
   return success();
+}
+
+std::vector<SharedPoint> WokenTile::affected(std::size_t most) const {
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (fresh_[i] != 0 && old_.contains(ids_[i])) all.push_back(i);
+  }
+  const std::size_t stride = (all.size() + most - 1) / most;
+  std::vector<SharedPoint> out;
+  for (std::size_t k = 0; k < all.size(); k += stride) out.push_back({points_[all[k]], ids_[all[k]], self_, 0});
+  return out;
+}
+
+void WokenTile::know(const std::vector<SharedPoint>& points) {
+  PointIds known;
+  for (const SharedPoint& p : foreign_) known.insert(p.id);
+  for (const SharedPoint& p : points) {
+    if (p.tile != self_ && known.insert(p.id).second) foreign_.push_back(p);
+  }
+  put_in_hilbert_order(foreign_, setting_.source.manifest().dimension);
 }
 
 Status WokenTile::begin(const std::optional<SharedPoint>& common) {

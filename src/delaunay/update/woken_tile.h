@@ -57,6 +57,10 @@ class WokenTile {
   // New points that are equal to others of the tile.
   const std::vector<DuplicatePair>& duplicates() const { return duplicates_; }
 
+  // Returns at most `most` of the own points that stay and are fresh, spread evenly. They lie around removed points.
+  std::vector<SharedPoint> affected(std::size_t most) const;
+  // Points of other tiles, all of which stay, that the tile is to know from the start. Call before begin().
+  void know(const std::vector<SharedPoint>& points);
   // Triangulates. `common`: for a tile that begins.
   Status begin(const std::optional<SharedPoint>& common);
   // One splay.
@@ -82,6 +86,7 @@ class WokenTile {
   std::vector<PointId> ids_;
   std::vector<std::uint8_t> fresh_;
   std::vector<SharedPoint> foreign_;
+  tsl::robin_map<PointId, std::uint8_t, MixHash> old_;  // own points that stay: 1 for a fresh one
   bool begins_ = false, lost_ = false;
   std::set<TileId> beside_removed_;
   std::optional<SharedPoint> old_point_;
