@@ -83,6 +83,7 @@ for name in $parts; do
       part seeds-coordinator run_seeds coordinator 4
       part seeds-leave run_seeds leave,join 4
       part seeds-leave-coordinator run_seeds leave,join,coordinator 4
+      CHANGES_SEED=$((SEED % 1000000 * 1000000)) CHANGES_WORLDS=$seeds part seeds-changes "$build/tests/tile/changes_test" '--gtest_filter=Changes.*'
       SECOND_STAGE_SEEDS=$((seeds / 15)) part seeds-second-stage "$build/tests/exchange/second_stage_test" '--gtest_filter=SecondStage.*'
       SURFACE_STEPS_SEEDS=$((seeds / 15)) part seeds-surface-steps "$build/tests/surface/surface_steps_test" '--gtest_filter=SurfaceSteps.*'
       ;;

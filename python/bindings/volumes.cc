@@ -17,12 +17,14 @@ namespace {
 using File = std::optional<std::filesystem::path>;
 
 VolumeRequest volume_request(std::optional<double> plane, const File& base, const File& within, const std::string& name,
-                             std::optional<double> max_edge, const std::string& value) {
+                             std::optional<double> max_edge, std::optional<double> max_radius,
+                             const std::string& value) {
   VolumeRequest request;
   if (plane) request.plane(*plane);
   if (base) request.base(*base);
   if (within) request.within(*within);
   if (max_edge) request.max_edge(*max_edge);
+  if (max_radius) request.max_radius(*max_radius);
   request.name(name).value(value);
   return request;
 }

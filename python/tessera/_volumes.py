@@ -51,7 +51,7 @@ class SurfaceVolumes:
     _triangulation: _tessera.Triangulation
 
     def volume(self, other: SurfaceVolumes | None = None, *, plane: float | None = None, base: Path | None = None,
-               within: Path | None = None, name: str = "", max_edge: float | None = None, value: str = "z",
+               within: Path | None = None, name: str = "", max_edge: float | None = None, max_radius: float | None = None, value: str = "z",
                difference: Path | None = None, res: float | None = None, overwrite: bool = False) -> VolumeTable:
         """Computes the volumes between this surface A, of a 2D result, and a surface B: exactly on the triangles of
         both.
@@ -71,6 +71,8 @@ class SurfaceVolumes:
             The attribute that names the polygons. "": name or id, if there is one.
         max_edge
             Cells with a longer edge in the plane are holes.
+        max_radius
+            Cells with a larger circumradius in the plane are holes, too.
         value
             The attribute of the vertices that has the heights.
         difference, res
@@ -85,7 +87,7 @@ class SurfaceVolumes:
             raise UsageError("difference and res go together: a file, and the width of its pixels")
         path = lambda file: None if file is None else os.fspath(file)
         lower = None if other is None else other._triangulation
-        request = _tessera.VolumeRequest(number_or_none(plane), path(base), path(within), name, number_or_none(max_edge), value)
+        request = _tessera.VolumeRequest(number_or_none(plane), path(base), path(within), name, number_or_none(max_edge), number_or_none(max_radius), value)
         columns, area_unit, volume_unit, note = _tessera.volumes(self._triangulation, lower, request)
         if difference is not None:
             _tessera.write_difference(self._triangulation, lower, os.fspath(difference), float(res), request, bool(overwrite))

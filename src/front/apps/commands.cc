@@ -6,6 +6,7 @@
 #include "src/front/apps/alpha.h"
 #include "src/front/apps/help.h"
 #include "src/front/apps/terrain_commands.h"
+#include "src/front/apps/update_command.h"
 #include "src/job/version.h"
 
 namespace tessera::apps {
@@ -35,6 +36,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_track(root));
   commands.push_back(add_tileset(root));
   commands.push_back(add_materialise(root));
+  commands.push_back(add_update(root));
   commands.push_back(add_measure(root));
   commands.push_back(add_columns(root));
   commands.push_back(add_voronoi(root));

@@ -48,6 +48,8 @@ Result<VolumeRequest> read_request(Settings& settings, const std::string& a, con
   options.name = settings.text("name").value_or("");
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
   options.max_edge = max_edge;
+  BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& text) { return parse_distance(text); }));
+  options.max_radius = radius;
   options.value = settings.text("value").value_or("z");
   BOOST_OUTCOME_TRYV(check_volume_options(!b.empty(), options));
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
@@ -166,6 +168,8 @@ Command add_volume(CLI::App& root) {
             true);
   add_value(command, "max-edge", "LENGTH",
             "leave out cells with a longer edge in the plane, which are holes then; default: no limit");
+  add_value(command, "max-radius", "LENGTH",
+            "leave out cells with a larger circumradius in the plane, too; default: no limit");
   add_value(command, "value", "NAME", "the attribute of the vertices that has the heights; default: z", 0, true);
   add_value(command, "output", "PATH", "the table to write: .csv, .json or .gpkg; without it, standard output", 'o',
             true);

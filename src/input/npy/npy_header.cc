@@ -214,34 +214,76 @@ std::string settle_plain(const ArrayLiteral& literal, NpyHeader& header) {
   return "";
 }
 
-}  // namespace
+struct ReadLiteral {
+  ArrayLiteral array;
+  std::uint64_t body_at = 0;
+};
 
-Result<NpyHeader> read_npy_header(const ByteSource& source) {
-  const auto bad = [&](const std::string& what) {
-    return error(Errc::bad_input, source.path().string() + ": " + what);
-  };
+Error bad_array(const ByteSource& source, const std::string& what) {
+  return error(Errc::bad_input, source.path().string() + ": " + what);
+}
+
+Result<ReadLiteral> read_literal(const ByteSource& source) {
   std::array<std::byte, 12> head{};
-  if (source.size() < head.size()) return bad("ends within the NumPy header");
+  if (source.size() < head.size()) return bad_array(source, "ends within the NumPy header");
   BOOST_OUTCOME_TRYV(source.read(0, head));
   if (std::memcmp(head.data(), "\x93NUMPY", 6) != 0)
-    return bad("is not a NumPy array: it does not begin with \\x93NUMPY");
+    return bad_array(source, "is not a NumPy array: it does not begin with \\x93NUMPY");
   const unsigned version = load<std::uint8_t>(head.data() + 6);
-  if (version < 1 || version > 3) return bad("NumPy format version " + std::to_string(version) + " is not known");
+  if (version < 1 || version > 3)
+    return bad_array(source, "NumPy format version " + std::to_string(version) + " is not known");
   const std::uint64_t text_at = version == 1 ? 10 : 12;
   const std::uint32_t text_bytes =
       version == 1 ? load<std::uint16_t>(head.data() + 8) : load<std::uint32_t>(head.data() + 8);
   if (text_bytes > header_bytes_max || text_bytes > source.size() - text_at)
-    return bad("the NumPy header claims " + std::to_string(text_bytes) + " bytes");
+    return bad_array(source, "the NumPy header claims " + std::to_string(text_bytes) + " bytes");
   std::string text(text_bytes, '\0');
   BOOST_OUTCOME_TRYV(source.read(text_at, std::as_writable_bytes(std::span(text))));
+  auto literal = LiteralParser(text).parse();
+  if (!literal) return bad_array(source, "the NumPy header cannot be understood");
+  return ReadLiteral{std::move(*literal), text_at + text_bytes};
+}
 
-  const auto literal = LiteralParser(text).parse();
-  if (!literal) return bad("the NumPy header cannot be understood");
+}  // namespace
+
+Result<NpyHeader> read_npy_header(const ByteSource& source) {
+  BOOST_OUTCOME_TRY(literal, read_literal(source));
   NpyHeader header;
-  header.body_at = text_at + text_bytes;
-  const std::string wrong = literal->type.empty() ? settle_fields(*literal, header) : settle_plain(*literal, header);
-  if (!wrong.empty()) return bad(wrong);
+  header.body_at = literal.body_at;
+  const std::string wrong =
+      literal.array.type.empty() ? settle_fields(literal.array, header) : settle_plain(literal.array, header);
+  if (!wrong.empty()) return bad_array(source, wrong);
   return header;
+}
+
+Result<std::vector<std::uint64_t>> read_npy_integers(const ByteSource& source) {
+  BOOST_OUTCOME_TRY(literal, read_literal(source));
+  const ArrayLiteral& array = literal.array;
+  if (array.type != "<u8" && array.type != "<i8" && array.type != "<u4" && array.type != "<i4")
+    return bad_array(source, "holds type '" + printable(array.type) + "'; integers of 4 or 8 bytes are needed");
+  if (array.shape.size() != 1)
+    return bad_array(source, "has shape " + shape_text(array) + "; a list, of one dimension, is needed");
+  const std::size_t width = array.type[2] == '8' ? 8 : 4;
+  const std::uint64_t bytes = source.size() - literal.body_at;
+  if (array.shape[0] != bytes / width || bytes % width != 0)
+    return bad_array(source, "has " + std::to_string(bytes) + " bytes behind its header, which are not the " +
+                                 std::to_string(array.shape[0]) + " integers that the header claims");
+  std::vector<std::byte> body(bytes);
+  BOOST_OUTCOME_TRYV(source.read(literal.body_at, body));
+  std::vector<std::uint64_t> out;
+  out.reserve(array.shape[0]);
+  for (std::size_t at = 0; at < body.size(); at += width) {
+    const std::byte* p = body.data() + at;
+    const bool is_signed = array.type[1] == 'i';
+    const std::int64_t value = width == 8  ? load<std::int64_t>(p)
+                               : is_signed ? load<std::int32_t>(p)
+                                           : std::int64_t{load<std::uint32_t>(p)};
+    if (is_signed && value < 0)
+      return bad_array(source, "the integer at place " + std::to_string(at / width) + " is " + std::to_string(value) +
+                                   ", which is negative");
+    out.push_back(static_cast<std::uint64_t>(value));
+  }
+  return out;
 }
 
 }  // namespace tessera

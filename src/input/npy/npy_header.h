@@ -30,5 +30,8 @@ struct NpyHeader {
 
 // Errors, which name the path, for what is no NumPy file, and for arrays that are not points.
 Result<NpyHeader> read_npy_header(const ByteSource& source);
+// Reads a list of integers that are not negative: an array of one dimension, of integers of 4 or 8 bytes. Errors, which
+// name the path, for everything else.
+Result<std::vector<std::uint64_t>> read_npy_integers(const ByteSource& source);
 
 }  // namespace tessera

@@ -16,9 +16,9 @@
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/result/density/gridding.h"
+#include "src/result/export/ending.h"
 #include "src/result/terrain/blocks.h"
 #include "src/result/terrain/cog_file.h"
-#include "src/result/terrain/ending.h"
 #include "src/result/terrain/grid.h"
 
 namespace tessera::density {
@@ -30,7 +30,7 @@ namespace {
 // The fraction of the progress for cells; the rest is for writing.
 constexpr double cells_part = 0.9;
 
-bool is_image(const fs::path& target) { return terrain::ending_of(target) != ".npy"; }
+bool is_image(const fs::path& target) { return exports::ending_of(target) != ".npy"; }
 
 std::function<void(double)> part_of(const GridOptions& options) {
   if (!options.progress) return {};
@@ -144,11 +144,11 @@ std::string to_json(const GridFile& file) {
 }
 
 Status check_grid_target(const fs::path& target, bool overwrite) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   if (ending != ".tif" && ending != ".tiff" && ending != ".npy")
     return error(Errc::usage, target.string() + ": '" + ending +
                                   "' is not a format of grids; the formats are .tif, for images, and .npy");
-  return terrain::check_free(target, overwrite);
+  return exports::check_free(target, overwrite);
 }
 
 Result<GridFile> write_grid(const fs::path& out, const fs::path& target, const GridOptions& options,

@@ -14,6 +14,7 @@ namespace tessera {
 namespace {
 
 using query::Long;
+using query::Quad;
 using query::Vec;
 using query::Wide;
 
@@ -53,16 +54,26 @@ class VoronoiCells {
   enum class Border : std::uint8_t { none, hull, unknown };
   static constexpr double nan_ = std::numeric_limits<double>::quiet_NaN();
 
-  // `sum` gets a number of the kind to compute with.
+  // Computes with as many bits as the flatness of the cells asks for. `sum` gets a number of the kind to compute with.
+  // A few dozen operations stand behind each part.
   template <class Sum>
   void measure(VoronoiCell& cell, std::size_t vertex, const Sum& sum) const {
+    const Long accepted = corners_ == 3 ? 1e-15L : 1e-13L;
     const VoronoiPart<Long> quick = sum(Long());
-    // A long double has 64 bits; a few dozen operations stand behind each part.
-    constexpr Long error = 32 * std::numeric_limits<Long>::epsilon(), accepted = 1e-15L;
-    if (quick.volume > 0 && error * quick.doubt <= accepted * quick.volume)
-      fill(cell, vertex, quick);
-    else
-      fill(cell, vertex, sum(Wide()));
+    if (is_within(quick, std::numeric_limits<Long>::epsilon(), accepted)) return fill(cell, vertex, quick);
+    if (corners_ == 4) {
+      const VoronoiPart<Quad> finer = sum(Quad());
+      const auto bits = std::numeric_limits<Quad>::epsilon().convert_to<Long>();
+      if (is_within(finer, bits, accepted)) return fill(cell, vertex, finer);
+    }
+    fill(cell, vertex, sum(Wide()));
+  }
+
+  // Whether rounding errors of 32 times `epsilon` in each operation change the volume by less than its share
+  // `accepted`.
+  template <class Number>
+  static bool is_within(const VoronoiPart<Number>& part, Long epsilon, Long accepted) {
+    return part.volume > 0 && 32 * epsilon * part.doubt <= accepted * query::rounded(part.volume);
   }
 
   // In 2D, finds the neighbours counterclockwise, from the one with the least source index: so sums over them have the

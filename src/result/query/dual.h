@@ -18,9 +18,12 @@
 
 namespace tessera::query {
 
-// In flat cells nothing may be left of products of three differences. Long is fast. Wide is exact for products of four
-// differences of coordinates with some 120 bits, and takes a hundred times as long.
+// In flat cells nothing may be left of products of three differences. Long is fast. Quad has 113 bits, and takes ten
+// times as long. Wide is exact for products of four differences of coordinates with some 120 bits, and takes a hundred
+// times as long.
 using Long = long double;
+using Quad = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_quad::backend_type,
+                                           boost::multiprecision::et_off>;
 using Wide =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<512, boost::multiprecision::digit_base_2>,
                                   boost::multiprecision::et_off>;
@@ -50,6 +53,7 @@ bool usable(const Number& divisor) {
   return divisor != 0 && divisor - divisor == 0;  // NOLINT(misc-redundant-expression): not for infinities and NaN
 }
 inline long double rounded(Long number) { return number; }
+inline long double rounded(const Quad& number) { return number.convert_to<long double>(); }
 inline long double rounded(const Wide& number) { return number.convert_to<long double>(); }
 
 // The corners of the facet opposite corner k, in such an order that with corner k after them they are an even

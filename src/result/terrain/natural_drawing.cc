@@ -136,7 +136,7 @@ NaturalDrawing::NaturalDrawing(const query::Column& column, const Grid& grid, co
       method_(method),
       stop_(std::move(stop)),
       take_(std::move(take)),
-      filter_(options.max_edge) {}
+      filter_({options.max_edge, options.max_radius}) {}
 
 Status NaturalDrawing::run(TileQueue& tiles) {
   constexpr std::uint64_t blocks_least = 16 * sizeof(Block);

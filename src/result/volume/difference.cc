@@ -147,7 +147,11 @@ class DifferenceDrawing {
   // Draws the heights of a result at the pixels of the box.
   Result<std::unique_ptr<Heights>> draw(const fs::path& out, const fs::path& to, const Bounds& box,
                                         const terrain::Grid& grid, double from, double until) const {
-    DemOptions drawing{.res = res_, .box = box, .max_edge = options_.max_edge, .value = options_.value};
+    DemOptions drawing{.res = res_,
+                       .box = box,
+                       .max_edge = options_.max_edge,
+                       .max_radius = options_.max_radius,
+                       .value = options_.value};
     drawing.doubles = true;
     drawing.memory_bytes = options_.memory_bytes;
     drawing.threads = options_.threads;

@@ -20,11 +20,11 @@ Error corrupt(const std::filesystem::path& file, const std::string& what) {
 }  // namespace
 
 Result<Surface> Surface::open(const std::filesystem::path& out, const std::string& value,
-                              const std::optional<double>& max_edge) {
+                              const exports::CellSizes& sizes) {
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
-  BOOST_OUTCOME_TRYV(terrain::check_surface(out, source.manifest(), max_edge));
+  BOOST_OUTCOME_TRYV(terrain::check_surface(out, source.manifest(), sizes));
   BOOST_OUTCOME_TRY(column, query::find_column(out, source.manifest(), value));
-  return Surface(std::move(source), column, max_edge);
+  return Surface(std::move(source), column, sizes);
 }
 
 Result<std::vector<std::size_t>> Surface::tiles(const std::optional<FlatBox>& box, std::uint64_t memory_bytes,

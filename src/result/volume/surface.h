@@ -54,7 +54,7 @@ class Surface {
   // `value` is the attribute with the heights. Errors: those of reading a manifest; usage for a 3D result, a result
   // without this attribute, and a length that is none.
   static Result<Surface> open(const std::filesystem::path& out, const std::string& value,
-                              const std::optional<double>& max_edge);
+                              const exports::CellSizes& sizes);
 
   const Manifest& manifest() const { return source_.manifest(); }
   const TileSource& source() const { return source_; }
@@ -65,8 +65,8 @@ class Surface {
   Result<SurfaceTile> read(std::size_t tile) const;
 
  private:
-  Surface(TileSource source, query::Column column, std::optional<double> max_edge)
-      : source_(std::move(source)), column_(column), filter_(max_edge) {}
+  Surface(TileSource source, query::Column column, const exports::CellSizes& sizes)
+      : source_(std::move(source)), column_(column), filter_(sizes) {}
 
   TileSource source_;
   query::Column column_;

@@ -14,8 +14,8 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
+#include "src/result/export/ending.h"
 #include "src/result/export/geopackage.h"
-#include "src/result/terrain/ending.h"
 
 namespace tessera {
 
@@ -187,18 +187,18 @@ std::string to_json(const Volumes& volumes, const fs::path& output) {
 }
 
 Status check_volumes_target(const fs::path& target, bool polygons, bool overwrite) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   if (ending != ".csv" && ending != ".json" && ending != ".gpkg")
     return error(Errc::usage,
                  target.string() + ": is not a name of a table; give one that ends in .csv, .json or .gpkg");
   if (ending == ".gpkg" && !polygons)
     return error(Errc::usage, target.string() + ": a GeoPackage holds polygons, and there are none without " +
                                   option("within") + " or " + option("base") + "; write .csv or .json");
-  return terrain::check_free(target, overwrite);
+  return exports::check_free(target, overwrite);
 }
 
 Status write_volumes(const Volumes& volumes, const fs::path& target) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   if (ending == ".gpkg") return write_geopackage(volumes, target);
   if (ending == ".csv") return write_whole(target, to_csv(volumes));
   return write_whole(target, json_text(json_of(volumes), 2) + "\n");

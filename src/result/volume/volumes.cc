@@ -258,11 +258,11 @@ void fill_in(const Asked& asked, const MapPolygon* polygon, const RowSums& sums,
 
 Result<Asked> read_request(const fs::path& a, const std::optional<fs::path>& b, const VolumeOptions& options) {
   BOOST_OUTCOME_TRYV(check_volume_options(b.has_value(), options));
-  BOOST_OUTCOME_TRY(upper, Surface::open(a, options.value, options.max_edge));
+  BOOST_OUTCOME_TRY(upper, Surface::open(a, options.value, {options.max_edge, options.max_radius}));
   Asked asked{.a = std::move(upper), .b = {}, .base = !options.base.empty(), .polygons = {}};
   const Manifest& manifest = asked.a.manifest();
   if (b) {
-    BOOST_OUTCOME_TRY(lower, Surface::open(*b, options.value, options.max_edge));
+    BOOST_OUTCOME_TRY(lower, Surface::open(*b, options.value, {options.max_edge, options.max_radius}));
     BOOST_OUTCOME_TRYV(check_same_system(a, manifest.crs, *b, lower.manifest().crs));
     asked.b = std::move(lower);
   }

@@ -24,9 +24,10 @@ struct VolumeOptions {
   std::filesystem::path base = {};   // a file of polygons whose vertices have heights; each polygon is a row
   // A file of polygons that limit the volumes, a row each; else there is one row.
   std::filesystem::path within = {};
-  std::string name = {};                // the attribute that names polygons; empty: "name" or "id", if there is one
-  std::optional<double> max_edge = {};  // cells with a longer edge in the plane are not part of a surface
-  std::string value = "z";              // the attribute of the vertices that has the heights
+  std::string name = {};                  // the attribute that names polygons; empty: "name" or "id", if there is one
+  std::optional<double> max_edge = {};    // cells with a longer edge in the plane are not part of a surface
+  std::optional<double> max_radius = {};  // and cells with a larger circumradius
+  std::string value = "z";                // the attribute of the vertices that has the heights
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least the memory of one tile of each surface is used
   unsigned threads = 1;
   std::function<void(double)> progress = {};  // gets the fraction done, 0..1, from one thread at a time; may be null

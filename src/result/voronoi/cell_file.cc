@@ -8,9 +8,9 @@
 
 #include "src/base/crs/crs.h"
 #include "src/base/json/json_text.h"
+#include "src/result/export/ending.h"
 #include "src/result/export/geopackage.h"
 #include "src/result/export/output.h"
-#include "src/result/terrain/ending.h"
 #include "src/result/voronoi/cell_fields.h"
 #include "src/result/voronoi/flatgeobuf.h"
 
@@ -244,7 +244,7 @@ Result<std::unique_ptr<CellFile>> create_map(const fs::path& target, const CellF
 }  // namespace
 
 Status CellFile::check_ending(const fs::path& target) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   for (const char* known : {".gpkg", ".fgb", ".geojson", ".json", ".csv"})
     if (ending == known) return success();
   return error(Errc::usage, target.string() +
@@ -253,7 +253,7 @@ Status CellFile::check_ending(const fs::path& target) {
 }
 
 Result<std::unique_ptr<CellFile>> CellFile::create(const fs::path& target, const CellFileOptions& options) {
-  const std::string ending = terrain::ending_of(target);
+  const std::string ending = exports::ending_of(target);
   if (ending == ".gpkg") return create_map<exports::GeoPackage>(target, options);
   if (ending == ".fgb") return create_map<FlatGeobuf>(target, options);
   if (ending == ".csv") {

@@ -11,9 +11,9 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/ledger.h"
 #include "src/base/option.h"
+#include "src/result/export/ending.h"
 #include "src/result/query/geojson.h"
 #include "src/result/query/hull.h"
-#include "src/result/terrain/ending.h"
 
 namespace tessera::voronoi {
 
@@ -220,7 +220,7 @@ Result<ClipRegion> box_region(const Bounds& box) {
 }
 
 Result<ClipRegion> file_region(const fs::path& path, const Manifest& manifest) {
-  const std::string ending = terrain::ending_of(path);
+  const std::string ending = exports::ending_of(path);
   if (ending == ".gpkg") return map_region(path, "GPKG", manifest);
   if (ending == ".fgb") return map_region(path, "FlatGeobuf", manifest);
   if (ending == ".geojson" || ending == ".json") return geojson_region(path, manifest);

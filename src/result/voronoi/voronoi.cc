@@ -13,8 +13,8 @@
 #include "src/base/json/json_text.h"
 #include "src/base/on_threads.h"
 #include "src/base/option.h"
+#include "src/result/export/ending.h"
 #include "src/result/export/output.h"
-#include "src/result/terrain/ending.h"
 #include "src/result/tile_queue.h"
 #include "src/result/voronoi/cell_file.h"
 #include "src/result/voronoi/planar_cells.h"
@@ -185,7 +185,7 @@ Result<std::uint64_t> write_records(CellRecords& records, const voronoi::Repairs
 
 Result<WrittenVoronoi> write_voronoi(const fs::path& out, const fs::path& target, const VoronoiOptions& options,
                                      std::stop_token stop) {
-  BOOST_OUTCOME_TRYV(terrain::check_free(target, options.overwrite));
+  BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(check_result(out, manifest, options));

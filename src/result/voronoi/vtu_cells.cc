@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "src/result/terrain/ending.h"
+#include "src/result/export/ending.h"
 #include "src/result/voronoi/cell_fields.h"
 #include "src/result/voronoi/polyhedron.h"
 
@@ -267,7 +267,7 @@ class VtuCells : public CellFile {
 }  // namespace
 
 Status check_vtu_ending(const fs::path& target) {
-  if (terrain::ending_of(target) == ".vtu") return success();
+  if (exports::ending_of(target) == ".vtu") return success();
   return error(Errc::usage,
                target.string() + ": cells of a 3D result are written for VTK, so give a name that ends in .vtu");
 }

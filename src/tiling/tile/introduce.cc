@@ -102,20 +102,31 @@ void TileTriangulation::introduce() {
     share_with_all();
   } else {
     introduce_vertices();
+    if (fresh_) introduce_due();
   }
-  // Refused points are not kept, but the vertices that would be their neighbours, all foreign, are introduced to them.
-  for (const Refused& r : refused_) {
-    stop_check_.step();
-    const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
-    check_read(!again.inserted, "a point that was in conflict with no local star never will be");
-    for (const Vertex w : around_) {
-      if (!is_known_by(r.point.tile, w) && !known_.rely_on_told_bit_of_refused(r.point, r.from, owners_[w]) &&
-          !known_.rely_on_told_bit(w, owners_[w], r.point.tile))
-        send(w, r.point.tile);
-    }
-  }
+  for (const Refused& r : refused_) introduce_refused(r);
   refused_.clear();
   due_ = kernel_->vertices() + 1;
+}
+
+// Refused points are not kept, but the vertices that would be their neighbours, all foreign, are introduced to them.
+void TileTriangulation::introduce_refused(const Refused& r) {
+  stop_check_.step();
+  const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
+  check_read(!again.inserted, "a point that was in conflict with no local star never will be");
+  const bool fresh = !fresh_ || fresh_->has_refused(r.point.id);
+  if (fresh && options_.left_out == LeftOut::refused_fresh) return;
+  for (const Vertex w : around_) {
+    if (!fresh && !fresh_->has(w)) continue;
+    if (is_known_by(r.point.tile, w) || known_.rely_on_told_bit_of_refused(r.point, r.from, owners_[w]) ||
+        known_.rely_on_told_bit(w, owners_[w], r.point.tile))
+      continue;
+    if (is_fresh(w)) {
+      send(w, r.point.tile);
+    } else {
+      quote(w, r.point.tile);
+    }
+  }
 }
 
 // If new vertices are not few, one pass over the cells costs a fraction of a walk around each new vertex.
@@ -134,13 +145,33 @@ void TileTriangulation::introduce_vertices() {
   }
 }
 
-// For two foreign points it is enough that one of the owners hears of the other's point.
+// Vertices that have become fresh after their edges were made.
+void TileTriangulation::introduce_due() {
+  for (const Vertex v : fresh_->take_due()) {
+    stop_check_.step();
+    kernel_->neighbours(v, around_);
+    for (const Vertex w : around_) {
+      if (!is_local(v)) {
+        introduce(v, w);
+      } else if (!is_local(w)) {
+        send(v, owners_[w]);
+      }
+    }
+  }
+}
+
+// For two foreign points it is enough that one of the owners hears of the other's point. If only one of the two is
+// fresh, its owner hears of the other one: so a tile that sleeps is not woken.
 void TileTriangulation::introduce(Vertex v, Vertex neighbour) {
   const TileId owner = owners_[v], other = owners_[neighbour];
+  if (fresh_ && !fresh_->has(v) && (!fresh_->has(neighbour) || options_.left_out == LeftOut::old_arrivals)) return;
   if (is_local(neighbour)) return send(neighbour, owner);
+  if (options_.left_out == LeftOut::foreign_pairs) return;
   if (is_known_by(owner, neighbour) || is_known_by(other, v) || known_.rely_on_told_bit(neighbour, other, owner) ||
       known_.rely_on_told_bit(v, owner, other))
     return;
+  if (!is_fresh(neighbour)) return quote(neighbour, owner);
+  if (!is_fresh(v)) return quote(v, other);
   // A seed is a neighbour of many points. Telling one owner of the seed spares telling the seed's owner of all of them.
   if (seeds_.contains(v)) return send(v, other);
   send(neighbour, owner);
@@ -157,8 +188,18 @@ bool TileTriangulation::has_as_seed(TileId tile, Vertex v) const {
   return options_.around->has(tile, {{kernel_->point(v), ids_[v], owners_[v], 0}, seed->second});
 }
 
-// While the tile is flat every vertex counts as a neighbour of every other, because ties are not broken yet.
+// Tells a tile of a vertex that this tile does not know to be fresh. Neither of the two notes that, as it says nothing
+// of what the tiles know of the vertex's surroundings.
+void TileTriangulation::quote(Vertex v, TileId tile) {
+  if (tile == options_.self || is_known_by(tile, v) || !fresh_->add_quote(v, tile)) return;
+  updates_[tile].push_back(v);
+  ++counts_.sent;
+}
+
+// While the tile is flat every vertex counts as a neighbour of every other, because ties are not broken yet. All
+// vertices count as fresh, too.
 void TileTriangulation::share_with_all() {
+  if (fresh_) fresh_->learn_all();
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
     if (is_local(v)) continue;
     for (Vertex w = 1; w <= kernel_->vertices(); ++w) {
@@ -235,10 +276,13 @@ void TileTriangulation::replay_if(const std::function<bool(TileId)>& reborn) {
     ++counts_.sent;
   };
   const auto tell_refused = [&](const SharedPoint& point, TileId tile) {
-    refused_updates_[tile].push_back(point);
+    SharedPoint p = point;
+    if (fresh_ && fresh_->has_refused(p.id)) p.told |= fresh_bit;
+    refused_updates_[tile].push_back(p);
     ++counts_.sent;
   };
   known_.replay(owners_, reborn, tell, tell_refused);
+  if (fresh_ && options_.left_out != LeftOut::replayed_quotes) fresh_->replay(reborn, tell);
 }
 
 }  // namespace tessera

@@ -42,6 +42,8 @@ class KnownByMessage {
     record_sent(v, owner, from);
     told_[v] |= told;
   }
+  // Notes the told bits alone, of a message that does not say that its sender knows the vertex.
+  void record_quoted(Vertex v, std::uint32_t told) { told_[v] |= told; }
   // The same without told bits, which the published rule does not have.
   void record_published(Vertex v, TileId from) { sent_.add(v, from); }
 

@@ -56,9 +56,8 @@ KnownFromStart::KnownFromStart(std::shared_ptr<const std::vector<Bounds>> bounds
 }
 
 std::uint32_t KnownFromStart::bit(TileId owner, TileId neighbour) const {
-  constexpr std::size_t bits = 32;
   const auto list = neighbours(owner);
-  const auto end = list.begin() + static_cast<std::ptrdiff_t>(std::min(bits, list.size()));
+  const auto end = list.begin() + static_cast<std::ptrdiff_t>(std::min(told_bits_, list.size()));
   const auto found = std::find(list.begin(), end, neighbour);
   return found == end ? 0 : std::uint32_t{1} << (found - list.begin());
 }

@@ -15,6 +15,9 @@
 
 namespace tessera {
 
+// In SharedPoint::told while a stored result is changed: the point is fresh (docs/updates-design.md).
+inline constexpr std::uint32_t fresh_bit = std::uint32_t{1} << 31;
+
 class KnownFromStart {
  public:
   KnownFromStart() = default;
@@ -35,6 +38,8 @@ class KnownFromStart {
   // Returns a bit for SharedPoint::told: each of the first 32 neighbours of `owner` has one; for other tiles the result
   // is 0.
   std::uint32_t bit(TileId owner, TileId neighbour) const;
+  // From now on bit() leaves out the fresh bit, so only 31 neighbours have a bit.
+  void leave_out_fresh_bit() { told_bits_ = 31; }
 
   // Whether a tile has a seed. The answer depends on the two alone, and is the same in every process, bit for bit.
   bool has(TileId tile, const Seed& seed) const { return reaches(seed, bounds(tile)); }
@@ -56,6 +61,7 @@ class KnownFromStart {
   std::vector<std::uint32_t> neighbours_end_;  // by tile: where its neighbours end
   std::shared_ptr<const std::vector<Seed>> seeds_ = std::make_shared<const std::vector<Seed>>();
   std::vector<Block> blocks_;  // a complete binary tree in an array: [1] is the root
+  std::size_t told_bits_ = 32;
 };
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 #include "src/tiling/tile/tile_triangulation.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "src/base/check.h"
@@ -12,7 +13,7 @@ namespace tessera {
 namespace {
 
 // The beginning of an image.
-constexpr std::uint64_t magic = 0x3665676d49454c54u;
+constexpr std::uint64_t magic = 0x3765676d49454c54u;
 
 struct KnownSeed {
   std::uint64_t vertex;
@@ -24,7 +25,7 @@ struct KnownSeed {
 TileTriangulation::TileTriangulation(const TileOptions& options)
     : options_(options), kernel_(make_kernel(options.dimension, options.kernel)), known_(options.around) {}
 
-void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep) {
+void TileTriangulation::build(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep) {
   check(points.size() == ids.size(), "every point has an id");
   kernel_->build(points, keep, options_.stop);
   ids_.assign(1, PointId{});
@@ -32,6 +33,10 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   owners_.assign(points.size() + 1, options_.self);
   known_.set_vertices(points.size() + 1);
   due_ = static_cast<Vertex>(ids_.size());
+}
+
+void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep) {
+  build(points, ids, keep);
   for (const Seed& seed : options_.around->seeds_of(options_.self)) {
     if (seed.point.tile == options_.self) {
       const auto own = std::find(ids.begin(), ids.end(), seed.point.id);
@@ -41,6 +46,43 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
       add_seed(seed);
     }
   }
+}
+
+// The foreign vertices are those of stored cells, so none of them is refused, and nobody is noted to know them.
+Status TileTriangulation::triangulate_changed(const ChangedTile& changed, KeepPoints keep) {
+  check(changed.fresh.size() == changed.points.size(), "every point is fresh or not");
+  check(options_.around->seeds().empty(), "only a first triangulation has seeds");
+  build(changed.points, changed.ids, keep);
+  fresh_.emplace(changed.fresh);
+  seeded_ = true;
+  for (const SharedPoint& p : changed.foreign) {
+    stop_check_.step();
+    BOOST_OUTCOME_TRYV(add_foreign(p, true, around_));
+  }
+  if (changed.common && needs(*changed.common, changed)) {
+    SharedPoint common = *changed.common;
+    common.told = 0;
+    BOOST_OUTCOME_TRY(v, add_foreign(common, true, around_));
+    if ((changed.common->told & fresh_bit) != 0) fresh_->learn(v);
+  }
+  due_ = kernel_->vertices() + 1;
+  counts_ = {};
+  return success();
+}
+
+// A tile needs the common point when none of its foreign points is nearer to it than all of its own. When rounding
+// leaves that open, the tile takes the common point: to know a point more is never wrong.
+bool TileTriangulation::needs(const SharedPoint& common, const ChangedTile& changed) const {
+  constexpr double rounding = 1e-9, underflow = 1e-280;
+  if (common.tile == options_.self || foreign_.contains(common.id)) return false;
+  const auto squared = [&](const Point& p) {
+    const double x = p.x - common.at.x, y = p.y - common.at.y, z = p.z - common.at.z;
+    return x * x + y * y + z * z;
+  };
+  double own = std::numeric_limits<double>::infinity(), other = own;
+  for (const Point& p : changed.points) own = std::min(own, squared(p));
+  for (const SharedPoint& p : changed.foreign) other = std::min(other, squared(p.at));
+  return !(own > underflow && other < own * (1 - rounding));
 }
 
 // Also inserts a seed that was refused when a message brought it: no tile sends seeds, so images must have them.
@@ -67,7 +109,7 @@ bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> 
 // of these cells has an infinite or foreign vertex. None of these cells has its circumsphere inside the box, so the
 // path to c is followed.
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box, bool quick) {
-  check(!handed_out_ && updates_.empty(), "a tile is reduced once, before it announces");
+  check(!handed_out_ && !fresh_ && updates_.empty(), "a tile is reduced once, before it announces");
   if (kernel_->dimension() < options_.dimension) return {};
   throw_if_stopped(options_.stop);
   const auto is_final = [&](const Vertex* cell) {
@@ -93,7 +135,7 @@ std::uint64_t TileTriangulation::discard(std::span<const Point> points, const Bo
     told(vertices);
     return finals.rows.size();
   }
-  check(!handed_out_ && updates_.empty(), "a tile is reduced once, before it announces");
+  check(!handed_out_ && !fresh_ && updates_.empty(), "a tile is reduced once, before it announces");
   if (kernel_->dimension() < options_.dimension) return 0;
   throw_if_stopped(options_.stop);
   const std::uint64_t gone = kernel_->discard(
@@ -195,6 +237,10 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> poin
     stop_check_.step();
     ++counts_.received;
     if (p.tile == options_.self || p.tile.value >= options_.around->tiles() || !is_finite(p.at)) return refuse(from, p);
+    if (fresh_) {
+      BOOST_OUTCOME_TRYV(receive_changed(from, p));
+      continue;
+    }
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
       if (known->second != 0) record_received(known->second, from, p);
       continue;
@@ -205,6 +251,34 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> poin
     } else {
       record_received(v, from, p);
     }
+  }
+  return success();
+}
+
+// Only the owner of a point, and a tile that knows that the point is fresh, are noted to know the point: a quote says
+// nothing about its sender.
+Status TileTriangulation::receive_changed(TileId from, SharedPoint p) {
+  const bool fresh = (p.told & fresh_bit) != 0;
+  p.told &= ~fresh_bit;
+  const bool quoted = !fresh && from != p.tile;
+  const auto known = foreign_.find(p.id);
+  Vertex v = known == foreign_.end() ? 0 : known->second;
+  if (known == foreign_.end()) {
+    BOOST_OUTCOME_TRY(added, add_foreign(p, false, around_));
+    v = added;
+    if (v == 0 && fresh) fresh_->learn_refused(p.id);
+    if (v == 0) refused_.push_back({p, quoted ? options_.self : from});
+    if (v != 0 && fresh) fresh_->arrive(v);
+  } else if (v == 0) {
+    if (fresh && fresh_->learn_refused(p.id)) refused_.push_back({p, from});
+  } else if (fresh && options_.left_out != LeftOut::answers) {
+    fresh_->learn(v);
+  }
+  if (v == 0) return success();
+  if (quoted) {
+    known_.record_quoted(v, p.told);
+  } else {
+    record_received(v, from, p);
   }
   return success();
 }
@@ -230,6 +304,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   ids_.push_back(p.id);
   owners_.push_back(p.tile);
   known_.add_vertex(p.told);
+  if (fresh_) fresh_->add_vertex();
   if (reduced_) ranks_.push_back(0);
   foreign_[p.id] = result.vertex;
   ++counts_.inserted;
@@ -325,6 +400,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
 std::size_t TileTriangulation::memory() const {
   std::size_t bytes =
       (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
+  if (fresh_) bytes += fresh_->memory();
   bytes += foreign_.bucket_count() * 24 + known_.memory() + seeds_.bucket_count() * 24 +
            refused_.capacity() * sizeof(Refused) + open_cells_.bucket_count() * 24;
   for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(Vertex);
@@ -375,6 +451,14 @@ BigVector<std::byte> TileTriangulation::save() const {
   out.list(known_.relied());
   out.list(known_.refused_relied());
   out.list(std::vector<CellKey>(open_cells_.begin(), open_cells_.end()));
+  out.value(static_cast<std::uint8_t>(fresh_ ? 1 : 0));
+  if (fresh_) {
+    const FreshPoints::State fresh = fresh_->state();
+    out.list(fresh.fresh);
+    out.list(fresh.due);
+    out.list(fresh.quoted);
+    out.list(fresh.refused);
+  }
   return out.take();
 }
 
@@ -394,19 +478,24 @@ bool TileTriangulation::load(BigVector<std::byte> bytes) {
   std::vector<KnownSeed> seeds;
   Vertex due = 0;
   std::vector<CellKey> open_cells;
-  const bool read = in.value(found) && found == magic && in.value(self) && self == options_.self &&
-                    in.value(dimension) && dimension == options_.dimension && in.value(kernel) &&
-                    kernel == options_.kernel && in.value(handed_out) && in.value(reduced) && in.value(counts) &&
-                    in.value(image.dimension) && in.list(image.points) && in.list(image.local) &&
-                    in.list(image.alive) && in.list(image.cells.vertices) && in.list(image.cells.neighbors) &&
-                    in.value(image.frozen) && in.list(ids) && in.list(owners) && in.list(known.told) &&
-                    in.list(ranks) && in.list(seeds) && in.value(due) && in.value(seeded) && in.list(known.sent) &&
-                    in.list(known.relied) && in.list(known.refused_relied) && in.list(open_cells) && in.at_end();
+  std::uint8_t changed = 0;
+  FreshPoints::State fresh;
+  const bool read =
+      in.value(found) && found == magic && in.value(self) && self == options_.self && in.value(dimension) &&
+      dimension == options_.dimension && in.value(kernel) && kernel == options_.kernel && in.value(handed_out) &&
+      in.value(reduced) && in.value(counts) && in.value(image.dimension) && in.list(image.points) &&
+      in.list(image.local) && in.list(image.alive) && in.list(image.cells.vertices) && in.list(image.cells.neighbors) &&
+      in.value(image.frozen) && in.list(ids) && in.list(owners) && in.list(known.told) && in.list(ranks) &&
+      in.list(seeds) && in.value(due) && in.value(seeded) && in.list(known.sent) && in.list(known.relied) &&
+      in.list(known.refused_relied) && in.list(open_cells) && in.value(changed) &&
+      (changed == 0 ||
+       (in.list(fresh.fresh) && in.list(fresh.due) && in.list(fresh.quoted) && in.list(fresh.refused))) &&
+      in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;
   if (ids.size() != n || owners.size() != n || known.told.size() != n || (reduced ? ranks.size() != n : !ranks.empty()))
     return false;
-  if (due == 0 || due > n) return false;
+  if (due == 0 || due > n || (changed != 0 && !fresh.fits(n))) return false;
   for (const auto& seed : seeds) {
     if (seed.vertex >= n) return false;
   }
@@ -433,6 +522,8 @@ bool TileTriangulation::load(BigVector<std::byte> bytes) {
   seeded_ = seeded != 0;
   refused_.clear();
   known_.restore(std::move(known));
+  fresh_.reset();
+  if (changed != 0) fresh_.emplace(std::move(fresh));
   for (const auto& r : known_.refused_relied()) foreign_.insert({r.point.id, 0});  // it stays refused
   open_cells_ = {open_cells.begin(), open_cells.end()};
   updates_.clear();

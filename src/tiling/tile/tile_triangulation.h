@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -28,6 +29,7 @@
 #include "src/geometry/kernel/kernel.h"
 #include "src/tiling/tile/collected_tile.h"
 #include "src/tiling/tile/final_cells.h"
+#include "src/tiling/tile/fresh_points.h"
 #include "src/tiling/tile/known_by_message.h"
 #include "src/tiling/tile/known_from_start.h"
 
@@ -36,6 +38,28 @@ namespace tessera {
 enum class ExchangeRule : std::uint8_t {
   introduce,  // a point that arrives is introduced to its neighbours: always right
   published,  // simplify, then splay, as published: loses cells. For tests only
+};
+
+// A part of the rule by which a stored result is changed that a tile does not obey. For tests only: without any of
+// these parts some results are wrong.
+enum class LeftOut : std::uint8_t {
+  nothing,
+  foreign_pairs,    // two foreign vertices are introduced
+  old_arrivals,     // the edges of a point that arrives and is not fresh
+  refused_fresh,    // a fresh point that was refused is introduced
+  answers,          // a vertex that is known, and is now told of as fresh, is answered
+  replayed_quotes,  // quotes are repeated for reborn tiles
+};
+
+// What a tile begins from when a stored result is changed (docs/updates-design.md).
+struct ChangedTile {
+  std::span<const Point> points;         // the tile's own points that stay, and new ones; distinct, in Hilbert order
+  std::span<const PointId> ids;          // beside points
+  std::span<const std::uint8_t> fresh;   // beside points: 1 for a fresh point
+  std::span<const SharedPoint> foreign;  // the foreign vertices of the stored cells that stay; best in Hilbert order
+  // One point for all tiles, with its fresh bit. A point that stays, unless none does. A tile without fresh points
+  // needs none.
+  std::optional<SharedPoint> common = {};
 };
 
 // What a tile has besides its own points and the cells that were discarded.
@@ -53,6 +77,7 @@ struct TileOptions {
   // Once it is requested, triangulate(), reduce(), receive(), introduce() and collect() soon throw Stopped. The tile
   // can then only be destroyed.
   std::stop_token stop = {};
+  LeftOut left_out = LeftOut::nothing;
 };
 
 class TileTriangulation {
@@ -66,6 +91,12 @@ class TileTriangulation {
   // space (in production they do), the tile is never flat and the exchange stays small. `keep`: borrowed points must
   // stay where they are until collect().
   void triangulate(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep = KeepPoints::copied);
+
+  // Takes the place of triangulate() when a stored result is changed: triangulates what the tile keeps of it, and what
+  // is new. From then on the tile introduces only pairs with a point that it knows to be fresh. Such a tile is not
+  // reduced and does not announce. `around` of the options has no seeds, and has left out the fresh bit. Error internal
+  // when two points have the same coordinates.
+  Status triangulate_changed(const ChangedTile& changed, KeepPoints keep = KeepPoints::copied);
 
   // Takes the final cells out (cells whose circumsphere is inside `box`), and keeps only what can still change. Call
   // right after triangulate(), with the same points. A kernel that cannot freeze cells is built again from the vertices
@@ -91,7 +122,7 @@ class TileTriangulation {
   // neighbours.
   void introduce();
   // Whether introduce() has anything to do.
-  bool due() const { return !seeded_ || due_ <= kernel_->vertices() || !refused_.empty(); }
+  bool due() const { return !seeded_ || due_ <= kernel_->vertices() || !refused_.empty() || (fresh_ && fresh_->due()); }
 
   // Prepares updates that repeat everything that this tile has ever sent, or knows from messages that others know. A
   // tile that begins from an image comes back into the exchange this way (docs/recovery.md).
@@ -148,14 +179,24 @@ class TileTriangulation {
   void add_seed(const Seed& seed);
   void introduce_vertices();
   void introduce(Vertex v, Vertex neighbour);
+  void introduce_due();
+  void introduce_refused(const Refused& r);
   void share_with_all();
+  void build(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep);
+  bool needs(const SharedPoint& common, const ChangedTile& changed) const;
+  Status receive_changed(TileId from, SharedPoint p);
+  bool is_fresh(Vertex v) const { return !fresh_ || fresh_->has(v); }
+  void quote(Vertex v, TileId tile);
   bool is_known_by(TileId tile, Vertex v) const;
   bool has_as_seed(TileId tile, Vertex v) const;
   void record_received(Vertex v, TileId from, const SharedPoint& p) {
     known_.record_received(v, owners_[v], from, p.told);
   }
   void replay_if(const std::function<bool(TileId)>& reborn);
-  SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], known_.told(v)}; }
+  SharedPoint shared(Vertex v) const {
+    const std::uint32_t fresh = fresh_ && fresh_->has(v) ? fresh_bit : 0;
+    return {kernel_->point(v), ids_[v], owners_[v], known_.told(v) | fresh};
+  }
   void send(Vertex v, TileId tile);
   Status receive_published(TileId from, std::span<const SharedPoint> points);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
@@ -171,6 +212,7 @@ class TileTriangulation {
   std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: the rank is vertex - 1
   tsl::robin_map<PointId, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 if it was refused
   KnownByMessage known_;
+  std::optional<FreshPoints> fresh_;      // while a stored result is changed
   tsl::robin_map<Vertex, double> seeds_;  // which vertices are seeds, and their reach
   Vertex due_ = 1;                        // the first vertex that has not been introduced
   std::vector<Refused> refused_;          // not introduced yet

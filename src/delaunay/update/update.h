@@ -1,0 +1,59 @@
+// Changes a stored result: removes points and adds others. The new result is the one that a triangulation of the points
+// that are left would be, with the same source indices (docs/updates-design.md). Only tiles whose triangulation may
+// change are read, and only tiles that have changed are written.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/figures.h"
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/result/store/digest.h"
+#include "src/result/store/tile_store.h"
+
+namespace tessera {
+
+struct ResultChange {
+  // The new points. Their source indices go on where those of the result end. In 2D z is 0.
+  std::vector<Point> add = {};
+  std::vector<std::byte> rows = {};  // of the new points, in the schema of the result
+  std::vector<PointId> remove = {};  // source indices of vertices and duplicates
+};
+
+struct UpdateOptions {
+  std::filesystem::path to = {};  // the folder of the new result, which must not exist
+  unsigned threads = 1;
+  bool dry_run = false;                      // write nothing, and only find out what would change
+  std::vector<std::string> command = {};     // for the manifest
+  std::string software_version = {};         // for the manifest
+  std::vector<Manifest::Input> inputs = {};  // of the new points, for the manifest
+};
+
+struct Updated {
+  std::uint64_t first_new = 0;                       // the source index of the first new point
+  std::uint64_t removed = 0;                         // points: vertices and duplicates
+  std::uint64_t duplicates = 0;                      // new points that are equal to others
+  std::uint64_t vertices = 0, cells = 0, tiles = 0;  // of the new result; 0 in a dry run
+  // Tiles that had fresh points; that were triangulated; and of these, those that have changed.
+  std::uint64_t begun = 0, awake = 0, written = 0;
+  ExchangeCounts exchange = {};
+  std::optional<Digest> digest = {};  // of the new result
+};
+
+// Whether a result can be changed at all. Error usage, with the reason, when it cannot.
+Status check_changeable(const std::filesystem::path& result, const Manifest& manifest);
+
+// Writes the new result; the old one stays as it is. Tiles that have not changed are hard links to the old files.
+// Errors: usage when the result cannot be changed in this way, when a point to be removed does not exist, when the
+// points that are left do not span space, or when the folder exists; those of TileSource; interrupted. After an error
+// nothing is left in the folder.
+Result<Updated> update_result(const std::filesystem::path& result, const ResultChange& change,
+                              const UpdateOptions& options, std::stop_token stop = {});
+
+}  // namespace tessera

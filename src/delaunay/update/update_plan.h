@@ -1,0 +1,35 @@
+// What a change does to the vertices of a result: which go, which may come to which tile, and what becomes of
+// duplicates.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/delaunay/update/update.h"
+#include "src/result/tile_source.h"
+#include "src/tiling/partition.h"
+#include "src/tiling/tile/changed_points.h"
+
+namespace tessera {
+
+struct UpdatePlan {
+  PointIds removed;                                 // vertices that go
+  std::set<TileId> losing;                          // the tiles that own them
+  std::map<TileId, std::vector<LocalPoint>> added;  // new points, by owner
+  // When a vertex goes that has duplicates, the lowest of those that stay takes its place.
+  std::map<PointId, PointId> heirs;       // by the vertex that goes
+  std::vector<DuplicatePair> duplicates;  // of the result that stay, ascending
+  bool duplicates_changed = false;
+  std::uint64_t first_new = 0;  // source index
+  std::uint64_t removed_points = 0;
+};
+
+// Errors: usage when a point to be removed is no point of the result, or when the attributes of a duplicate would be
+// needed, which results do not keep; those of reading the result.
+Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partition, const ResultChange& change);
+
+}  // namespace tessera
