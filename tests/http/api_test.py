@@ -18,7 +18,8 @@ class Api(serving.ServerTest):
             ("GET", "/"): ["/"], ("GET", "/v1"): ["/v1"], ("GET", "/v1/api"): ["/v1/api"],
             ("GET", "/v1/conformance"): ["/v1/conformance"], ("GET", "/v1/processes"): ["/v1/processes"],
             ("GET", "/v1/processes/{process}"): [f"/v1/processes/{name}" for name in
-                                                 ("triangulate", "region", "verify", "export", "dem", "contours", "surface", "measure", "hag", "info", "none")],
+                                                 ("triangulate", "region", "verify", "export", "dem", "contours", "surface", "alpha", "voronoi", "density", "volume", "measure",
+                                                  "hag", "info", "none")],
             ("POST", "/v1/processes/{process}/execution"): ["/v1/processes/triangulate/execution",
                                                             "/v1/processes/info/execution"],
             ("POST", "/v1/processes/{process}/estimate"): ["/v1/processes/triangulate/estimate", "/v1/processes/info/estimate"],

@@ -80,7 +80,39 @@ class Bounds : public ServiceTest {
     columns.set_triangulation("measured");
     columns.set_volume(true);
     columns.set_quality(true);
+    add_products(all);
     return all;
+  }
+
+  static void add_products(std::vector<proto::Inputs>& all) {
+    const std::string square =
+        R"({"type": "Polygon", "coordinates": [[[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8], [0.2, 0.2]]]})";
+    for (const char* output : {"cells.gpkg", "cells.fgb", "cells.geojson", "cells.csv", "cells.vtu"}) {
+      const bool spatial = std::string(output) == "cells.vtu";
+      auto& cells = *all.emplace_back().mutable_voronoi();
+      cells.set_triangulation(spatial ? "solid" : "plane");
+      cells.set_output(output);
+      if (spatial) cells.set_clip("0,0,0,1,1,1");
+      if (std::string(output) == "cells.geojson") cells.set_clip(square);
+    }
+    for (const char* output : {"grid.tif", "grid.npy"}) {
+      auto& grid = *all.emplace_back().mutable_density();
+      grid.set_triangulation("plane");
+      grid.set_output(output);
+      grid.set_res(0.02);
+    }
+    for (const char* output : {"shape.ply", "shape.gpkg", "shape.geojson", "shape.fgb"}) {
+      auto& shape = *all.emplace_back().mutable_alpha();
+      shape.set_triangulation("plane");
+      shape.set_output(output);
+    }
+    for (const char* output : {"volumes.csv", "volumes.json", "volumes.gpkg"}) {
+      auto& volumes = *all.emplace_back().mutable_volume();
+      volumes.set_triangulation("plane");
+      volumes.set_output(output);
+      volumes.set_plane(0.5);
+      if (std::string(output) == "volumes.gpkg") volumes.set_within(square);
+    }
   }
 
   void make_inputs() {
@@ -101,6 +133,7 @@ class Bounds : public ServiceTest {
     auto flat = triangulate("plane.xyz", "plane");
     flat.mutable_triangulate()->set_dim(2);
     ASSERT_EQ(ended(submit(flat)).status(), "successful");
+    ASSERT_EQ(ended(submit(triangulate("plane.xyz", "solid"))).status(), "successful");
     auto large = triangulate("volume.ply", "large");
     large.mutable_triangulate()->set_tiles(8);
     ASSERT_EQ(ended(submit(large)).status(), "successful");

@@ -70,6 +70,15 @@ TEST(ProcessesTable, TellsWhatInputsReadAndMake) {
   EXPECT_EQ(result_read(inputs), "block");
   EXPECT_TRUE(changes_result(inputs));
   EXPECT_FALSE(makes_result(inputs));
+  EXPECT_EQ(second_result_read(inputs), "");
+  inputs.mutable_volume()->set_triangulation("before");
+  inputs.mutable_volume()->set_second("after");
+  inputs.mutable_volume()->set_output("volumes.csv");
+  EXPECT_EQ(result_read(inputs), "before");
+  EXPECT_EQ(second_result_read(inputs), "after");
+  EXPECT_EQ(export_output(inputs), "volumes.csv");
+  for (const char* name : {"alpha", "density", "voronoi"})
+    EXPECT_EQ(find_process(name)->makes, Process::Makes::file) << name;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ export function stateWord(job: Job): string {
 }
 
 const makes = ["triangulate", "region"];  // results
-const ofWhat: Record<string, string> = {verify: "Proof of", export: "Export of", dem: "Raster of", contours: "Contour lines of", surface: "Surface of", measure: "Measures of", hag: "Heights above", info: "Info on"};
+const ofWhat: Record<string, string> = {verify: "Proof of", export: "Export of", dem: "Raster of", contours: "Contour lines of", surface: "Surface of", alpha: "Alpha shape of", voronoi: "Voronoi cells of", density: "Density of", volume: "Volumes of", measure: "Measures of", hag: "Heights above", info: "Info on"};
 
 // Of a result what it is called; of another job what it makes, of what.
 export function nameOf(job: Job): string {

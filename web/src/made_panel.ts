@@ -11,6 +11,8 @@ function kindOf(made: Export): string {
   if (made.name === "3dtiles") return "Levels of detail, for viewers";
   if (made.processID === "contours" || /^contours\./.test(made.name)) return "Contour lines";
   if (made.processID === "hag") return "Heights above the ground";
+  const products: Record<string, string> = {alpha: "Alpha shape", voronoi: "Voronoi cells", density: "Density or field", volume: "Volumes"};
+  if (made.processID && products[made.processID]) return products[made.processID];
   if (made.processID === "dem" || ending === "tif") return "Raster";
   return ending ? `Export, ${ending}` : "Export";
 }

@@ -1,7 +1,6 @@
 // tessera alpha: writes the alpha shape of a result.
 #include "src/front/apps/alpha.h"
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,9 +13,10 @@
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/one_step.h"
 #include "src/front/apps/percent_line.h"
-#include "src/front/apps/say.h"
+#include "src/front/apps/products.h"
+#include "src/front/apps/remote_drawing.h"
+#include "src/front/apps/server_options.h"
 #include "src/job/arguments.h"
-#include "src/job/report/human.h"
 #include "src/result/alpha/alpha_shape.h"
 
 namespace tessera::apps {
@@ -27,27 +27,6 @@ Result<std::optional<double>> parse_radius(const std::string& text) {
   if (text == "auto") return std::optional<double>();
   BOOST_OUTCOME_TRY(radius, parse_distance(text));
   return std::optional(radius);
-}
-
-void print(const AlphaShape& shape, bool general, const OutputOptions& output) {
-  if (output.json) {
-    std::printf("%s\n", to_json(shape).c_str());
-    return;
-  }
-  if (output.quiet) return;
-  const std::string file = shape.path.string() + ": " + counted(shape.cells, "cell") + " of a circumradius up to " +
-                           radius_text(shape.radius) + ", ";
-  if (shape.polygons > 0) {
-    say("%s%s with %s, %s vertices, %s\n", file.c_str(), counted(shape.polygons, "polygon").c_str(),
-        counted(shape.holes, "hole").c_str(), grouped(shape.vertices).c_str(), human_bytes(shape.bytes).c_str());
-  } else {
-    say("%s%s on the boundary, %s vertices, %s\n", file.c_str(), counted(shape.facets, "facet").c_str(),
-        grouped(shape.vertices).c_str(), human_bytes(shape.bytes).c_str());
-  }
-  if (general)
-    say("singular: %s, %s, %s vertices\n", counted(shape.singular_facets, "facet").c_str(),
-        counted(shape.singular_edges, "edge").c_str(), grouped(shape.singular_vertices).c_str());
-  if (!shape.note.empty()) say_beside("note: %s\n", shape.note.c_str());
 }
 
 Status run_alpha(Settings& settings, const OneStep& made_of) {
@@ -70,11 +49,13 @@ Status run_alpha(Settings& settings, const OneStep& made_of) {
   options.threads = threads;
   options.progress = share_line("making the shape", output);
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    if (names_server(settings)) return draw_remotely(settings, "alpha", folder, target, output);
+    BOOST_OUTCOME_TRYV(refuse_detach(settings));
     const Interrupt interrupt;
     auto result = write_alpha_shape(folder, target, options, interrupt.token());
     clear_line(output);
     BOOST_OUTCOME_TRY(shape, std::move(result));
-    print(shape, general, output);
+    print_product(shape, general, output);
     return success();
   });
 }
@@ -99,6 +80,7 @@ Command add_alpha(CLI::App& root) {
   add_memory_option(command, "tiles and sorting");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_remote_options(command);
   add_output_switches(command);
   auto sources = add_sources(command, 0);
   command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {

@@ -2,7 +2,6 @@
 #include "src/result/density/density.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,10 +14,11 @@
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/one_step.h"
 #include "src/front/apps/percent_line.h"
-#include "src/front/apps/say.h"
+#include "src/front/apps/products.h"
+#include "src/front/apps/remote_drawing.h"
+#include "src/front/apps/server_options.h"
 #include "src/front/apps/terrain_commands.h"
 #include "src/job/arguments.h"
-#include "src/job/report/human.h"
 
 namespace tessera::apps {
 namespace {
@@ -69,27 +69,6 @@ Result<GridOptions> read_options(Settings& settings) {
   return options;
 }
 
-void print(const GridFile& file, const OutputOptions& output) {
-  if (output.json) {
-    std::printf("%s\n", to_json(file).c_str());
-    return;
-  }
-  if (output.quiet) return;
-  const density::GridFacts& facts = file.facts;
-  std::string sides;
-  std::uint64_t all = 1;
-  for (std::size_t axis = 0; axis < static_cast<std::size_t>(facts.dimension); ++axis) {
-    const auto side = static_cast<std::uint64_t>(facts.size[axis]);
-    sides += (sides.empty() ? "" : " x ") + grouped(side);
-    all *= side;
-  }
-  say("%s: %s %s of width %.17g, %s of them without a value, %s\n", file.path.c_str(), sides.c_str(),
-      facts.dimension == 2 ? "pixels" : "voxels", facts.res, grouped(all - facts.known).c_str(),
-      human_bytes(file.bytes).c_str());
-  if (facts.mass) say("mass of all points: %.17g, of the grid: %.17g\n", *facts.mass, *facts.grid_mass);
-  if (!facts.note.empty()) say_beside("note: %s\n", facts.note.c_str());
-}
-
 Status run_density(Settings& settings, const OneStep& made_of) {
   const std::string target = settings.text("output").value_or("");
   if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera density --help'");
@@ -98,13 +77,17 @@ Status run_density(Settings& settings, const OneStep& made_of) {
   if (output.verbose) log_everything();
   BOOST_OUTCOME_TRY(options, read_options(settings));
   options.progress = share_line("putting cells on the grid", output);
-  BOOST_OUTCOME_TRYV(density::check_grid_target(target, options.overwrite));
+  if (!names_server(settings)) {
+    BOOST_OUTCOME_TRYV(density::check_grid_target(target, options.overwrite));
+  }
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    if (names_server(settings)) return draw_remotely(settings, "density", folder, target, output);
+    BOOST_OUTCOME_TRYV(refuse_detach(settings));
     const Interrupt interrupt;
     auto result = density::write_grid(folder, target, options, interrupt.token());
     clear_line(output);
     BOOST_OUTCOME_TRY(file, std::move(result));
-    print(file, output);
+    print_product(file, output);
     return success();
   });
 }
@@ -139,6 +122,7 @@ Command add_density(CLI::App& root) {
   add_memory_option(command, "tiles and sums");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_remote_options(command);
   add_output_switches(command);
   auto sources = add_sources(command, 0);
   command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/front/apps/products.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/words.h"
 #include "src/job/report/human.h"
@@ -116,7 +117,7 @@ bool print_drawn(const Json& outcome, const OutputOptions& output) {
     } else if (event == "finished" && outcome.contains("units_read")) {
       print_drawn(region_of(outcome), output);
     } else {
-      return false;
+      return print_product(outcome, output);
     }
     return true;
   } catch (const Json::exception&) {  // a daemon of another version has other fields

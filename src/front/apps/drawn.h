@@ -14,7 +14,8 @@ void print_drawn(const RegionSummary& region, const OutputOptions& output);
 void print_drawn(const Dem& dem, const OutputOptions& output);
 void print_drawn(const Contours& contours, const OutputOptions& output);
 
-// Prints the outcome in a daemon's JSON object. Returns false, and prints nothing, if it is of none of the three.
+// Prints the outcome in a daemon's JSON object, also one of products.h. Returns false, and prints nothing, if it is of
+// another process.
 bool print_drawn(const nlohmann::ordered_json& outcome, const OutputOptions& output);
 
 }  // namespace tessera::apps

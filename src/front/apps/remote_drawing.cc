@@ -1,8 +1,12 @@
 #include "src/front/apps/remote_drawing.h"
 
+#include <google/protobuf/descriptor.h>
+
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -85,16 +89,27 @@ Status region_remotely(Settings& settings, const RemoteRegion& region, const Out
   return success();
 }
 
+Result<std::string> polygons_for_daemon(const std::string& key, const fs::path& file) {
+  const std::string ending = file.extension().string();
+  if (ending != ".geojson" && ending != ".json")
+    return error(Errc::usage, "--" + key + ": a daemon takes polygons as GeoJSON, and " + file.string() +
+                                  " does not end in .geojson; 'ogr2ogr polygons.geojson " + file.string() +
+                                  "' converts it");
+  BOOST_OUTCOME_TRY(bytes, read_whole(file));
+  return std::string(as_text(bytes));
+}
+
 Status draw_remotely(Settings& settings, const std::string& process, const std::string& result, const fs::path& target,
-                     const OutputOptions& output) {
+                     const OutputOptions& output, const RemoteTexts& texts) {
   BOOST_OUTCOME_TRY(detach, settings.on("detach"));
   if (!detach) {
     BOOST_OUTCOME_TRYV(check_target(settings, target));
   }
-  BOOST_OUTCOME_TRY(
-      inputs,
-      remote_inputs(settings, process == "dem" ? *proto::DemInputs::descriptor() : *proto::ContoursInputs::descriptor(),
-                    only_here({})));
+  std::vector<std::string> as_text_here;
+  for (const auto& [key, text] : texts) as_text_here.push_back(key);
+  const auto& kind = *proto::Inputs::descriptor()->FindFieldByName(process)->message_type();
+  BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, kind, only_here(std::move(as_text_here))));
+  for (const auto& [key, text] : texts) inputs[key] = text;
   inputs["triangulation"] = without_slash(result);
   // A file that does not stay gets a unique name, so that it cannot replace a file of another user of the daemon.
   const std::string made =
@@ -132,7 +147,10 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
   return success();
 }
 
-bool is_drawing(const proto::StatusInfo& job) { return job.process_id() == "dem" || job.process_id() == "contours"; }
+bool is_drawing(const proto::StatusInfo& job) {
+  constexpr std::array<std::string_view, 6> processes{"dem", "contours", "voronoi", "density", "alpha", "volume"};
+  return std::find(processes.begin(), processes.end(), job.process_id()) != processes.end();
+}
 
 Status fetch_drawing(client::Server& server, const proto::StatusInfo& job, const fs::path& target,
                      const OutputOptions& output, const std::stop_token& stop) {

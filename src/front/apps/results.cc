@@ -36,7 +36,7 @@ Status run_results(Settings& settings) {
   return success();
 }
 
-// Downloads the files that an export, dem, contours or hag job has written.
+// Downloads the files that a job has made of a result.
 Status fetch_of_job(client::Server& server, const std::string& id, const std::filesystem::path& path,
                     const OutputOptions& output, const std::stop_token& stop) {
   const auto job = server.job(id, stop);
@@ -45,7 +45,7 @@ Status fetch_of_job(client::Server& server, const std::string& id, const std::fi
   if (!job || (job.value().process_id() != "export" && !copied && !is_drawing(job.value())))
     return error(Errc::usage,
                  "there is no result '" + id +
-                     "', and no job with this id that exports or draws a result; 'tessera results' lists results");
+                     "', and no job with this id that makes files of a result; 'tessera results' lists results");
   if (job.value().status() != "successful")
     return error(Errc::usage, "job " + id + " has the status " + job.value().status() + ": there is nothing to fetch");
   if (copied) return fetch_heights(server, job.value(), path, false, output, stop);
@@ -118,7 +118,7 @@ Command add_fetch(CLI::App& root) {
       new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
                   "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
                   "  tessera fetch NAME -o out/      (again, after Ctrl-C: continues where it was)\n"
-                  "  tessera fetch ID -o mesh.ply    (the files of a job that ran export, dem, contours or hag)");
+                  "  tessera fetch ID -o mesh.ply    (the files that a job has made of a result, as export or dem)");
   set_group(command, daemon_group);
   add_value(command, "output", "FOLDER",
             "for a result: a folder that is new, empty, or left by an earlier fetch; for the files of a job: the file "
@@ -129,8 +129,8 @@ Command add_fetch(CLI::App& root) {
   auto name = std::make_shared<std::string>();
   add_argument(
       command, "result", "NAME", *name,
-      "the name of a result, as 'tessera results' shows it; or the id of a job that ran export, dem, contours or "
-      "hag");
+      "the name of a result, as 'tessera results' shows it; or the id of a job that made files of one, as export "
+      "or dem");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_fetch(*settings, *name);
   };

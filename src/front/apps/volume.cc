@@ -15,10 +15,12 @@
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/one_step.h"
 #include "src/front/apps/percent_line.h"
-#include "src/front/apps/say.h"
+#include "src/front/apps/products.h"
+#include "src/front/apps/remote_drawing.h"
+#include "src/front/apps/remote_inputs.h"
+#include "src/front/apps/server_options.h"
 #include "src/front/apps/triangulate_options.h"
 #include "src/job/arguments.h"
-#include "src/job/report/human.h"
 #include "src/result/volume/difference.h"
 #include "src/result/volume/volume_table.h"
 #include "src/result/volume/volumes.h"
@@ -55,7 +57,7 @@ Result<VolumeRequest> read_request(Settings& settings, const std::string& a, con
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   request.overwrite = overwrite;
   request.target = settings.text("output").value_or("");
-  if (!request.target.empty()) {
+  if (!request.target.empty() && !names_server(settings)) {
     const bool polygons = !options.base.empty() || !options.within.empty();
     BOOST_OUTCOME_TRYV(check_volumes_target(request.target, polygons, overwrite));
   }
@@ -86,18 +88,7 @@ Status print(const VolumeRequest& request, const Volumes& made) {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
       return error(Errc::io, "standard output: cannot be written");
   }
-  if (request.output.quiet) return success();
-  if (!request.target.empty())
-    say("%s: %s %s\n", request.target.c_str(), grouped(made.rows.size()).c_str(),
-        !made.polygons          ? "row"
-        : made.rows.size() == 1 ? "polygon"
-                                : "polygons");
-  if (made.long_edges > 0)
-    say_beside("note: %s cells with longer edges are left out: holes\n", grouped(made.long_edges).c_str());
-  if (made.without_height > 0)
-    say_beside("note: %s cells have a vertex without a height, and are left out: holes\n",
-               grouped(made.without_height).c_str());
-  if (!made.note.empty()) say_beside("note: %s\n", made.note.c_str());
+  print_product(request.target, made, request.output);
   return success();
 }
 
@@ -123,10 +114,27 @@ Status compute(VolumeRequest& request, const std::string& a, const std::optional
   return print(request, made);
 }
 
+// Cut and fill from one result of a daemon to another.
+Status volume_remotely(Settings& settings, const VolumeRequest& request) {
+  if (request.target.empty())
+    return error(Errc::usage, "a daemon writes the volumes as a table; add -o FILE.csv, -o FILE.json or -o FILE.gpkg");
+  RemoteTexts texts;
+  for (const auto& [key, file] :
+       {std::pair("base", request.options.base), std::pair("within", request.options.within)}) {
+    if (file.empty()) continue;
+    BOOST_OUTCOME_TRY(text, polygons_for_daemon(key, file));
+    texts[key] = std::move(text);
+  }
+  if (!request.b.empty()) texts["second"] = without_slash(request.b);
+  return draw_remotely(settings, "volume", request.a, request.target, request.output, texts);
+}
+
 Status run_volume(Settings& settings, const std::string& a, const std::string& b,
                   const std::vector<std::string>& command_line) {
   BOOST_OUTCOME_TRY(request, read_request(settings, a, b));
   if (request.output.verbose) log_everything();
+  if (names_server(settings)) return volume_remotely(settings, request);
+  BOOST_OUTCOME_TRYV(refuse_detach(settings));
   const std::string& beside = request.target.empty() ? request.difference : request.target;
   const auto made_of = [&](const std::string& source, const char* which) {
     return OneStep{.sources = {source},
@@ -178,6 +186,7 @@ Command add_volume(CLI::App& root) {
   add_threads_option(command);
   add_memory_option(command, "tiles and polygons");
   add_switch(command, "overwrite", "replace files that exist", 0, true);
+  add_remote_options(command);
   add_source_options(command);
   add_output_switches(command);
   auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>();

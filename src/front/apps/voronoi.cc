@@ -1,7 +1,6 @@
 // tessera voronoi: writes the Voronoi cells of the points of a result.
 #include "src/result/voronoi/voronoi.h"
 
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,9 +12,10 @@
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/one_step.h"
 #include "src/front/apps/percent_line.h"
-#include "src/front/apps/say.h"
+#include "src/front/apps/products.h"
+#include "src/front/apps/remote_drawing.h"
+#include "src/front/apps/server_options.h"
 #include "src/job/arguments.h"
-#include "src/job/report/human.h"
 
 namespace tessera::apps {
 namespace {
@@ -37,28 +37,6 @@ Status read_clip(const std::string& text, VoronoiOptions& options) {
   return success();
 }
 
-void print(const WrittenVoronoi& written, const OutputOptions& output) {
-  if (output.json) {
-    std::printf("%s\n", to_json(written).c_str());
-    return;
-  }
-  if (output.quiet) return;
-  const bool flat = written.dimension == 2;
-  say("%s: %s, %s together %.17g, %s\n", written.path.c_str(), counted(written.cells, "cell").c_str(),
-      flat ? "areas" : "volumes", written.size, human_bytes(written.bytes).c_str());
-  if (written.unbounded > 0) say("%s of them are unbounded as a whole\n", grouped(written.unbounded).c_str());
-  if (written.outside > 0) say("%s do not meet the clip and are left out\n", counted(written.outside, "cell").c_str());
-  if (written.shapeless > 0)
-    say(flat ? "%s have no polygon\n" : "%s have no polyhedron and are left out\n",
-        counted(written.shapeless, "cell").c_str());
-  if (written.thin > 0)
-    say("%s have parts that are thinner than the coordinates resolve; these parts are left out\n",
-        counted(written.thin, "cell").c_str());
-  if (written.duplicates > 0)
-    say("%s of other points have no cell of their own\n", counted(written.duplicates, "duplicate").c_str());
-  if (!written.note.empty()) say_beside("note: %s\n", written.note.c_str());
-}
-
 Status run_voronoi(Settings& settings, const OneStep& made_of) {
   const std::string target = settings.text("output").value_or("");
   if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera voronoi --help'");
@@ -78,11 +56,20 @@ Status run_voronoi(Settings& settings, const OneStep& made_of) {
   options.threads = threads;
   options.progress = share_line("making cells", output);
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    if (names_server(settings)) {
+      RemoteTexts texts;
+      if (options.clip == VoronoiClip::file) {
+        BOOST_OUTCOME_TRY(text, polygons_for_daemon("clip", options.polygons));
+        texts["clip"] = std::move(text);
+      }
+      return draw_remotely(settings, "voronoi", folder, target, output, texts);
+    }
+    BOOST_OUTCOME_TRYV(refuse_detach(settings));
     const Interrupt interrupt;
     auto result = write_voronoi(folder, target, options, interrupt.token());
     clear_line(output);
     BOOST_OUTCOME_TRY(written, std::move(result));
-    print(written, output);
+    print_product(written, output);
     return success();
   });
 }
@@ -108,6 +95,7 @@ Command add_voronoi(CLI::App& root) {
   add_threads_option(command);
   add_memory_option(command, "tiles");
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_remote_options(command);
   add_output_switches(command);
   auto sources = add_sources(command, 0);
   command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {

@@ -108,6 +108,10 @@ Result<VolumeOptions> volume_options(const proto::VolumeInputs& inputs, const Jo
     BOOST_OUTCOME_TRY(longest, length_of("max-edge", inputs.max_edge()));
     options.max_edge = longest;
   }
+  if (inputs.has_max_radius()) {
+    BOOST_OUTCOME_TRY(largest, length_of("max-radius", inputs.max_radius()));
+    options.max_radius = largest;
+  }
   if (inputs.has_value()) options.value = inputs.value();
   BOOST_OUTCOME_TRYV(read_share(inputs, share, options));
   return options;
