@@ -14,3 +14,4 @@
 #include "tessera/triangulation.h"
 #include "tessera/version.h"
 #include "tessera/volumes.h"
+#include "tessera/voronoi.h"

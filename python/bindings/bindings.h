@@ -14,5 +14,6 @@ void bind_questions(pybind11::module_& module);
 void bind_surfaces(pybind11::module_& module);
 void bind_triangulation(pybind11::module_& module);
 void bind_volumes(pybind11::module_& module);
+void bind_voronoi(pybind11::module_& module);
 
 }  // namespace tessera::python

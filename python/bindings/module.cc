@@ -9,5 +9,6 @@ PYBIND11_MODULE(_tessera, module) {
   tessera::python::bind_questions(module);
   tessera::python::bind_surfaces(module);
   tessera::python::bind_volumes(module);
+  tessera::python::bind_voronoi(module);
   tessera::python::bind_alpha(module);
 }

@@ -45,6 +45,16 @@ class VolumeTable(typing.NamedTuple):
     """The unit of volumes."""
 
 
+def table_of(rows: list[dict[str, typing.Any]], area_unit: str, volume_unit: str) -> VolumeTable:
+    """Returns the table in the outcome of a daemon's job. Raises KeyError, TypeError or ValueError if it is none."""
+    columns = VolumeTable._fields[:VolumeTable._fields.index("polygons")]
+    numbers = {column: np.array([np.nan if row[column] is None else row[column] for row in rows], np.float64)
+               for column in columns}
+    polygons = [row for row in rows if "polygon" in row]
+    return VolumeTable(**numbers, polygons=np.array([row["polygon"] for row in polygons], np.int64),
+                       names=[str(row["name"]) for row in polygons], area_unit=area_unit, volume_unit=volume_unit)
+
+
 class SurfaceVolumes:
     """The volumes that a Triangulation can compute under its surface."""
 

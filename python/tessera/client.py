@@ -17,6 +17,8 @@ from ._job import Event, Job, quoted
 from ._options import Path
 from ._transfer import PATIENCE_S, File, download, upload
 from ._triangulation import Measures, Proof, Triangulation, open as open_folder
+from ._volumes import VolumeTable, table_of
+from ._voronoi import VoronoiFile
 
 # The options of triangulate() that have another name in the service.
 FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "spatial_index"}
@@ -142,6 +144,103 @@ class Client:
         finally:
             self._remove(f"{files}/exports/{quoted(output)}")
         return made
+
+    def voronoi(self, name: str, target: Path, clip: str | Path | typing.Sequence[float] | None = None, *,
+                overwrite: bool = False, memory: int | str | None = None,
+                progress: typing.Callable[[Event], object] | None = None, patience: float = PATIENCE_S) -> VoronoiFile:
+        """Lets the daemon write the Voronoi cells of a result, and downloads the file, as Triangulation.voronoi() does
+        here.
+
+        The file does not stay at the daemon. A file of polygons for `clip` is a GeoJSON file here. `progress` is called
+        with each event of the job. `patience` is how many seconds to wait for a daemon that does not answer any more.
+        """
+        if clip is not None and not (isinstance(clip, str) and clip in ("hull", "none")):
+            box = not isinstance(clip, (str, os.PathLike))
+            clip = ",".join(repr(float(x)) for x in clip) if box else _polygons("clip", clip)
+        found = self._make("voronoi", name, target, overwrite, {"clip": clip, "memory": memory}, progress, patience)
+        try:
+            size = found["area"] if found["dimension"] == 2 else found["volume"]
+            return VoronoiFile(int(found["cells"]), int(found["unbounded"]), int(found["outside"]), float(size))
+        except (KeyError, TypeError, ValueError):
+            raise self._http.no_tessera() from None
+
+    def density(self, name: str, target: Path, *, res: float, mass: str | None = None, field: str | None = None,
+                divergence: typing.Iterable[str] | None = None, curl: typing.Iterable[str] | None = None,
+                sample: bool = False, bbox: typing.Iterable[float] | None = None, overwrite: bool = False,
+                memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None,
+                patience: float = PATIENCE_S) -> None:
+        """Lets the daemon put the density of the points of a result, or a field, on a grid, and downloads the file.
+
+        Arguments and warnings are those of Triangulation.density() with a path; others as for voronoi().
+        """
+        options = {"res": float(res), "mass": mass, "field": field, "divergence": divergence, "curl": curl, "sample": sample,
+                   "bbox": bbox, "memory": memory}
+        self._make("density", name, target, overwrite, options, progress, patience)
+
+    def alpha(self, name: str, target: Path, *, alpha: float | typing.Literal["auto"] = "auto", general: bool = False,
+              overwrite: bool = False, memory: int | str | None = None,
+              progress: typing.Callable[[Event], object] | None = None, patience: float = PATIENCE_S) -> float:
+        """Lets the daemon write the alpha shape of a result, and downloads the file. Returns the radius.
+
+        Arguments are those of Triangulation.alpha_shape() with a path; others as for voronoi().
+        """
+        if isinstance(alpha, str) and alpha != "auto":
+            raise UsageError(f"alpha: must be a radius or 'auto', not {alpha!r}")
+        options = {"alpha": None if isinstance(alpha, str) else float(alpha), "general": general, "memory": memory}
+        found = self._make("alpha", name, target, overwrite, options, progress, patience)
+        try:
+            return float(found["radius"])
+        except (KeyError, TypeError, ValueError):
+            raise self._http.no_tessera() from None
+
+    def volume(self, name: str, target: Path, other: str | None = None, *, plane: float | None = None,
+               base: Path | None = None, within: Path | None = None, polygon_name: str | None = None,
+               max_edge: float | None = None, max_radius: float | None = None, value: str | None = None,
+               overwrite: bool = False, memory: int | str | None = None,
+               progress: typing.Callable[[Event], object] | None = None, patience: float = PATIENCE_S) -> VolumeTable:
+        """Lets the daemon compute the volumes from the surface of a result to another one, downloads the table, a .csv,
+        .json or .gpkg, and returns it as Triangulation.volume() does.
+
+        `name` and `other` are results of the daemon. `base` and `within` are GeoJSON files here. `polygon_name` is the
+        argument `name` of Triangulation.volume(). Other arguments are those of it, or as for voronoi().
+        """
+        options = {"second": other, "plane": plane, "base": base and _polygons("base", base),
+                   "within": within and _polygons("within", within), "name": polygon_name, "max_edge": max_edge,
+                   "max_radius": max_radius, "value": value, "memory": memory}
+        found = self._make("volume", name, target, overwrite, options, progress, patience)
+        try:
+            return table_of(found["rows"], str(found["area_unit"]), str(found["volume_unit"]))
+        except (KeyError, TypeError, ValueError):
+            raise self._http.no_tessera() from None
+
+    def _make(self, process: str, name: str, target: Path, overwrite: bool, options: dict[str, typing.Any],
+              progress: typing.Callable[[Event], object] | None, patience: float) -> dict[str, typing.Any]:
+        """Lets the daemon make a file of a result, downloads the file, and returns the outcome of the job.
+
+        At the daemon the file has a unique name, so that it replaces no file of another user.
+        """
+        path = pathlib.Path(target)
+        if path.is_dir():
+            raise UsageError(f"{path}: is a folder")
+        if path.exists() and not overwrite:
+            raise UsageError(f"{path}: exists already; overwrite=True replaces it")
+        output = uuid.uuid4().hex + path.suffix
+        job = self._execute(process, {"triangulation": name, "output": output, **_fields(options)})
+        job.wait(progress)
+        found = job.outcome()
+        written = _written(found, self._http.url, output, path.suffix)
+        if len(written) != 1:
+            raise CorruptError(f"{self._http.url}: the server does not say which file the job has written")
+        files = f"/triangulations/{quoted(name)}/files"
+        try:
+            with _disk(path):
+                file = written[0][0]
+                download(self._http, file._replace(path=f"{files}/{file.path}"), path, patience)
+        finally:
+            self._remove(f"{files}/exports/{quoted(output)}")
+        if found.get("note"):
+            warnings.warn(found["note"], stacklevel=3)
+        return found
 
     def _remove(self, path: str) -> None:
         try:
@@ -309,6 +408,18 @@ def _fields(options: dict[str, typing.Any]) -> dict[str, typing.Any]:
             value = [item.item() if hasattr(item, "item") else item for item in value]
         sent[FIELDS.get(name, name)] = value
     return sent
+
+
+def _polygons(option: str, file: Path) -> str:
+    """Returns the text of a GeoJSON file, which a daemon takes in a request."""
+    path = pathlib.Path(file)
+    if path.suffix not in (".geojson", ".json"):
+        raise UsageError(f"{option}: a daemon takes polygons as GeoJSON, and {path} does not end in .geojson")
+    with _disk(path):
+        try:
+            return path.read_text(encoding="utf-8")
+        except UnicodeDecodeError:
+            raise UsageError(f"{option}: {path} is not GeoJSON, because it is not UTF-8") from None
 
 
 def _written(outcome: dict[str, typing.Any], url: str, output: str,

@@ -1,4 +1,4 @@
-"""verify, measure, export, hag, info and upload with a daemon: what is sent, what arrives, and what is said when it does not."""
+"""verify, measure, export, hag, products of results, info and upload with a daemon: what is sent, what arrives, and what is said when it does not."""
 import os
 import pathlib
 import signal
@@ -123,6 +123,65 @@ class Hag(ServerTest):
             self.server.jobs["j1"].outcome["written"][0]["path"] = path
             self.refused(CORRUPT, "fetch", "j1", "-o", "there", says="the server")
         self.assertFalse((self.folder / "there").exists())
+
+
+class Products(ServerTest):
+    def setUp(self):
+        super().setUp()
+        self.make_result()
+        self.made = self.server.results["block"] / "exports"
+
+    def work(self, job):
+        """What the daemon does: the local command writes it."""
+        output = self.made / job.inputs["output"]
+        self.made.mkdir(exist_ok=True)
+        done = self.local("alpha", self.server.results["block"], "--alpha", job.inputs.get("alpha", "auto"), "-o", output, "--json")
+        self.assertEqual(done.returncode, OK, done.stderr)
+        job.outcome = {**self.json_lines(done.stdout)[-1], "output": output.name, "written": [
+            {"path": f"exports/{output.name}", "bytes": output.stat().st_size, "xxh3": xxh3(output.read_bytes())}]}
+        job.tell("successful", triangulation="block")
+
+    def test_a_shape_arrives_and_is_gone_there(self):
+        self.server.on_submit = self.work
+        said = self.ok("alpha", "block/", "--alpha", "auto", "-o", "shape.ply", "--memory", "2G")
+        inputs = self.server.jobs["j1"].inputs
+        self.assertRegex(inputs.pop("output"), "[.]ply$")
+        self.assertEqual(inputs, {"triangulation": "block", "memory": "2G"})
+        self.assertEqual(list(self.made.iterdir()), [])
+        here = self.local("alpha", self.server.results["block"], "--alpha", "auto", "-o", "here.ply")
+        self.assertEqual(said.replace("shape.ply", "here.ply").splitlines()[-1], here.stdout.splitlines()[-1])
+        self.assertEqual((self.folder / "shape.ply").read_bytes(), (self.folder / "here.ply").read_bytes())
+        told = self.json_lines(self.ok("alpha", "block", "--alpha", "9", "-o", "more.ply", "--json"))[-1]
+        self.assertEqual((told["event"], told["output"], told["radius"]), ("alpha", "more.ply", 9))
+        self.assertNotIn("written", told)
+        self.refused(USAGE, "alpha", "block", "--alpha", "auto", "-o", "shape.ply", says="exists already; --overwrite")
+
+    def test_left_there_it_is_fetched_by_its_job(self):
+        self.server.on_submit = self.work
+        self.assertIn("'tessera watch j1' shows it", self.ok("alpha", "block", "--alpha", "auto", "-o", "shape.ply", "--detach"))
+        self.assertEqual(self.server.jobs["j1"].inputs["output"], "shape.ply")
+        self.assertIn("shape.ply: ", self.ok("watch", "j1"))
+        self.ok("fetch", "j1", "-o", "here.ply")
+        self.assertEqual((self.folder / "here.ply").read_bytes(), (self.made / "shape.ply").read_bytes())
+
+    def test_polygons_are_sent_as_text(self):
+        square = '{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 0]]]}'
+        (self.folder / "square.geojson").write_text(square)
+        self.ok("voronoi", "block", "-o", "cells.gpkg", "--clip", "square.geojson", "--detach")
+        self.assertEqual(self.server.jobs["j1"].inputs, {"triangulation": "block", "output": "cells.gpkg", "clip": square})
+        self.ok("voronoi", "block", "-o", "cells.gpkg", "--clip", "0,0,1,1", "--detach")
+        self.assertEqual(self.server.jobs["j2"].inputs["clip"], "0,0,1,1")
+        self.ok("volume", "block", "after/", "-o", "v.csv", "--within", "square.geojson", "--detach")
+        self.assertEqual(self.server.jobs["j3"].inputs, {"triangulation": "block", "output": "v.csv", "second": "after", "within": square})
+        self.ok("density", "block", "-o", "d.npy", "--res", "2", "--curl", "vx,vy", "--detach")
+        self.assertEqual(self.server.jobs["j4"].inputs, {"triangulation": "block", "output": "d.npy", "res": 2, "curl": ["vx", "vy"]})
+
+    def test_what_is_wrong_is_found_before_the_daemon_is_asked(self):
+        self.refused(USAGE, "voronoi", "block", "-o", "cells.gpkg", "--clip", "square.gpkg", says="GeoJSON")
+        self.refused(USAGE, "volume", "block", "after", says="-o FILE.csv")
+        self.refused(USAGE, "volume", "block", "after", "-o", "v.csv", "--difference", "d.tif", "--res", "1", says="is not for a job of a daemon")
+        self.refused(USAGE, "alpha", "block", "--alpha", "auto", "-o", "a.ply", "--server", "", "--detach", says="--detach")
+        self.assertEqual(self.server.requests, [])
 
 
 class Export(ServerTest):

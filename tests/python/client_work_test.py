@@ -1,4 +1,4 @@
-"""verify, measure, export, hag, info and upload of a daemon: what is sent, what comes back, and what is raised."""
+"""verify, measure, export, hag, voronoi, density, alpha, volume, info and upload of a daemon: what is sent, what comes back, and what is raised."""
 import os
 import pathlib
 import unittest
@@ -101,6 +101,65 @@ class Work(ClientTest):
             self.client.hag("mvk.las", "block", self.folder / "out")
         self.client.hag("mvk.las", "block", self.folder / "out", overwrite=True)
         self.assertEqual(list(exports.iterdir()), [])
+
+    def products(self):
+        """A daemon that makes products with the library here."""
+        t = self.make_result()
+        exports = pathlib.Path(t.folder) / "exports"
+
+        def work(job):
+            exports.mkdir(exist_ok=True)
+            file = exports / job.inputs["output"]
+            file.write_text("cells")
+            job.outcome = {**self.told, "written": [{"path": f"exports/{file.name}", "bytes": 5, "xxh3": xxh3(b"cells")}]}
+            job.tell("successful", triangulation="block")
+        self.server.on_submit = work
+        return exports
+
+    def sent(self):
+        inputs = list(self.server.jobs.values())[-1].inputs
+        self.assertRegex(inputs.pop("output"), "^[0-9a-f]{32}[.][a-z]+$")
+        return inputs
+
+    def test_products_arrive_and_are_gone_there(self):
+        exports = self.products()
+        here = self.folder / "cells.gpkg"
+        self.told = {"dimension": 2, "area": 4.5, "cells": 7, "unbounded": 1, "outside": 2, "note": "so it is"}
+        with self.assertWarnsRegex(UserWarning, "so it is"):
+            told = self.client.voronoi("block", here, (0, 0.5, 1, 2), memory="1G")
+        self.assertEqual(told, tessera.VoronoiFile(7, 1, 2, 4.5))
+        self.assertEqual(self.sent(), {"triangulation": "block", "clip": "0.0,0.5,1.0,2.0", "memory": "1G"})
+        self.assertEqual(here.read_text(), "cells")
+        self.assertEqual(list(exports.iterdir()), [])
+        with self.assertRaisesRegex(tessera.UsageError, "exists already; overwrite=True"):
+            self.client.voronoi("block", here)
+        self.told.pop("note")
+        (self.folder / "square.geojson").write_text('{"type": "Polygon"}')
+        self.client.voronoi("block", here, self.folder / "square.geojson", overwrite=True)
+        self.assertEqual(self.sent(), {"triangulation": "block", "clip": '{"type": "Polygon"}'})
+        with self.assertRaisesRegex(tessera.UsageError, "clip: a daemon takes polygons as GeoJSON"):
+            self.client.voronoi("block", here, "square.gpkg", overwrite=True)
+        self.told = {}
+        self.client.density("block", self.folder / "grid.npy", res=2, curl=("vx", "vy"), bbox=(0, 0, 1, 1))
+        self.assertEqual(self.sent(), {"triangulation": "block", "res": 2.0, "curl": ["vx", "vy"], "sample": False, "bbox": [0, 0, 1, 1]})
+        with self.assertRaises(tessera.Error):
+            self.client.alpha("block", self.folder / "none.ply")
+        self.told = {"radius": 2.5}
+        self.assertEqual(self.client.alpha("block", self.folder / "shape.ply", alpha=2.5), 2.5)
+        self.assertEqual(self.sent(), {"triangulation": "block", "alpha": 2.5, "general": False})
+        self.assertEqual(list(exports.iterdir()), [])
+
+    def test_volumes_are_the_same_table(self):
+        self.products()
+        row = dict.fromkeys(tessera.VolumeTable._fields[:9], 1.5)
+        self.told = {"rows": [{"polygon": 3, "name": "field", **row, "mean": None}], "area_unit": "metre^2", "volume_unit": "metre^3"}
+        table = self.client.volume("block", self.folder / "volumes.csv", "after", max_edge=5)
+        self.assertEqual(self.sent(), {"triangulation": "block", "second": "after", "max_edge": 5})
+        self.assertEqual((table.cut[0], table.polygons[0], table.names, table.volume_unit), (1.5, 3, ["field"], "metre^3"))
+        self.assertNotEqual(table.mean[0], table.mean[0])
+        self.told = {"rows": [{"cut": 1}]}
+        with self.assertRaises(tessera.Error):
+            self.client.volume("block", self.folder / "volumes.json", plane=1.0)
 
     def test_info_is_told_at_once_or_by_a_job(self):
         self.server.described = {"points": 3}

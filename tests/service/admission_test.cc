@@ -48,6 +48,24 @@ TEST_F(Admit, OneJobAtATimeAddsColumnsToAResultAndOthersReadIt) {
   EXPECT_NE(second.error().detail().find("adds columns to it"), std::string::npos) << second.error().detail();
 }
 
+TEST_F(Admit, AResultThatAJobReadsAsItsSecondIsNotReplaced) {
+  auto volume = record_of("before", alice);
+  volume.mutable_inputs()->mutable_volume()->set_triangulation("before");
+  volume.mutable_inputs()->mutable_volume()->set_second("after");
+  volume.mutable_inputs()->mutable_volume()->set_output("volumes.csv");
+  ASSERT_TRUE(admission->accept(volume, alice, ""));
+  const auto replaced = accept("after", alice);
+  ASSERT_FALSE(replaced);
+  EXPECT_EQ(replaced.error().status(), 409);
+  EXPECT_NE(replaced.error().detail().find("'after'"), std::string::npos) << replaced.error().detail();
+  ASSERT_TRUE(accept("other", alice));
+  volume.mutable_inputs()->mutable_volume()->set_second("other");
+  volume.mutable_inputs()->mutable_volume()->set_output("others.csv");
+  const auto read = admission->accept(volume, alice, "");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().status(), 409);
+}
+
 TEST_F(Admit, AJobWithoutANameIsNamedByItsId) {
   const auto made = accept("");
   ASSERT_TRUE(made);

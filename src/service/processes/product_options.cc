@@ -8,7 +8,7 @@
 #include "src/base/option.h"
 #include "src/job/arguments.h"
 #include "src/job/job_options.h"
-#include "src/service/processes/polygon_file.h"
+#include "src/service/processes/polygon_text.h"
 
 namespace tessera::service {
 namespace {

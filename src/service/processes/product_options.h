@@ -12,7 +12,7 @@
 namespace tessera::service {
 
 // Errors usage, with marks for options. Polygons are checked. The caller sets the files that have them
-// (polygon_file.h), and `overwrite`.
+// (polygon_text.h), and `overwrite`.
 Result<AlphaOptions> alpha_options(const proto::AlphaInputs& inputs, const JobShare& share);
 Result<density::GridOptions> density_options(const proto::DensityInputs& inputs, const JobShare& share);
 Result<VolumeOptions> volume_options(const proto::VolumeInputs& inputs, const JobShare& share);

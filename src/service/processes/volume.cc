@@ -8,7 +8,7 @@
 #include "src/result/volume/volumes.h"
 #include "src/service/processes/job_work.h"
 #include "src/service/processes/made_file.h"
-#include "src/service/processes/polygon_file.h"
+#include "src/service/processes/polygon_text.h"
 #include "src/service/processes/product_options.h"
 #include "src/service/processes/result_costs.h"
 #include "src/service/processes/rows.h"
@@ -38,15 +38,15 @@ std::optional<proto::Problem> check_volume(const Workshop& shop, const proto::In
 }
 
 // Writes the polygons of the request, if it has some, and names the file in the options.
-Result<std::optional<PolygonFile>> write_polygons(const Workshop& shop, const JobWork& work, VolumeOptions& options) {
+Result<std::optional<PolygonText>> write_polygons(const Workshop& shop, const JobWork& work, VolumeOptions& options) {
   const auto& inputs = work.job.inputs().volume();
-  if (!inputs.has_base() && !inputs.has_within()) return std::optional<PolygonFile>();
+  if (!inputs.has_base() && !inputs.has_within()) return std::optional<PolygonText>();
   BOOST_OUTCOME_TRY(manifest, shop.results.manifest(inputs.triangulation()));
   const bool base = inputs.has_base();
-  BOOST_OUTCOME_TRY(file, PolygonFile::write(work.scratch, base ? "base" : "within",
+  BOOST_OUTCOME_TRY(file, PolygonText::write(work.scratch, base ? "base" : "within",
                                              base ? inputs.base() : inputs.within(), *manifest));
   (base ? options.base : options.within) = file.path();
-  return std::optional<PolygonFile>(std::move(file));
+  return std::optional<PolygonText>(std::move(file));
 }
 
 void log_notes(const JobWork& work, const Volumes& made) {

@@ -6,7 +6,7 @@
 
 #include "src/service/processes/job_work.h"
 #include "src/service/processes/made_file.h"
-#include "src/service/processes/polygon_file.h"
+#include "src/service/processes/polygon_text.h"
 #include "src/service/processes/product_options.h"
 #include "src/service/processes/rows.h"
 #include "src/service/processes/workshop.h"
@@ -23,11 +23,11 @@ Reply<JobDone> run_voronoi(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs().voronoi();
   auto options = voronoi_options(inputs, shop.share);
   if (!options) return problem_of(options.error());
-  std::optional<PolygonFile> polygons;
+  std::optional<PolygonText> polygons;
   if (options.value().clip == VoronoiClip::file) {
     const auto manifest = shop.results.manifest(inputs.triangulation());
     if (!manifest) return problem_of(manifest.error());
-    auto file = PolygonFile::write(work.scratch, "clip", inputs.clip(), *manifest.value());
+    auto file = PolygonText::write(work.scratch, "clip", inputs.clip(), *manifest.value());
     if (!file) return problem_of(file.error());
     polygons.emplace(std::move(file).value());
     options.value().polygons = polygons->path();

@@ -18,12 +18,12 @@ namespace tessera::service {
 // a mark for the option `key`.
 Result<query::GeoJsonFrame> check_polygons(const char* key, std::string_view text);
 
-class PolygonFile {
+class PolygonText {
  public:
   // Writes the polygons into the folder of the job. In the file they have no coordinate system, because GDAL would
   // fetch a system that is a link; the system is compared with that of the result `manifest` here. Errors: those of
   // check_polygons(); bad_input when the coordinates are not those of the result; io; those of the thread's ledger.
-  static Result<PolygonFile> write(const std::filesystem::path& folder, const char* key, std::string_view text,
+  static Result<PolygonText> write(const std::filesystem::path& folder, const char* key, std::string_view text,
                                    const Manifest& manifest);
 
   const std::filesystem::path& path() const { return file_.path(); }
@@ -31,7 +31,7 @@ class PolygonFile {
   Error in_callers_words(Error failed) const;
 
  private:
-  PolygonFile(std::filesystem::path path, const char* key) : file_(std::move(path)), key_(key) {}
+  PolygonText(std::filesystem::path path, const char* key) : file_(std::move(path)), key_(key) {}
 
   TemporaryFile file_;
   const char* key_;

@@ -1,4 +1,4 @@
-#include "src/service/processes/polygon_file.h"
+#include "src/service/processes/polygon_text.h"
 
 #include <algorithm>
 #include <cctype>
@@ -42,16 +42,16 @@ Result<query::GeoJsonFrame> check_polygons(const char* key, std::string_view tex
   return std::move(read.value().place);
 }
 
-Result<PolygonFile> PolygonFile::write(const fs::path& folder, const char* key, std::string_view text,
+Result<PolygonText> PolygonText::write(const fs::path& folder, const char* key, std::string_view text,
                                        const Manifest& manifest) {
   BOOST_OUTCOME_TRY(frame, check_polygons(key, text));
   BOOST_OUTCOME_TRYV(frame.check_in(manifest.crs, manifest.bounds));
-  PolygonFile file(folder / (std::string(key) + ".geojson"), key);
+  PolygonText file(folder / (std::string(key) + ".geojson"), key);
   BOOST_OUTCOME_TRYV(write_whole(file.path(), without_crs(text)));
   return file;
 }
 
-Error PolygonFile::in_callers_words(Error failed) const {
+Error PolygonText::in_callers_words(Error failed) const {
   const std::string path = this->path().string();
   for (auto at = failed.where.find(path); at != std::string::npos; at = failed.where.find(path))
     failed.where.replace(at, path.size(), option(key_));
