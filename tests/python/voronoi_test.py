@@ -31,11 +31,11 @@ class Voronoi(unittest.TestCase):
     def test_files_are_those_of_the_command(self):
         flat, space = self.lattice(2), self.lattice(3, 4)
         (self.folder / "square.geojson").write_text(SQUARE)
-        box2, box3 = (0.5, 0.5, 2.5, 2.5), (0.5, 0.5, 0.5, 2.5, 2.5, 2.5)
+        box2, box3 = (0.75, 0.75, 2.25, 2.25), (0.75, 0.75, 0.75, 2.25, 2.25, 2.25)
         square = self.folder / "square.geojson"
         for t, ending, clip, flag, size in (
-                (flat, ".csv", None, None, 16), (flat, ".geojson", "hull", "hull", 16), (flat, ".csv", box2, box2, 4),
-                (flat, ".geojson", square, square, 4), (flat, ".csv", "none", "none", 9), (space, ".vtu", box3, box3, 8),
+                (flat, ".csv", None, None, 16), (flat, ".geojson", "hull", "hull", 16), (flat, ".csv", box2, box2, 2.25),
+                (flat, ".geojson", square, square, 4), (flat, ".csv", "none", "none", 9), (space, ".vtu", box3, box3, 3.375),
                 (space, ".vtu", None, None, 8)):
             with self.subTest(ending=ending, clip=clip, dim=t.dim):
                 target = self.folder / f"here{ending}"
@@ -46,7 +46,7 @@ class Voronoi(unittest.TestCase):
                 self.assertEqual(target.read_bytes(), there)
 
     def test_what_was_written_is_counted(self):
-        told = self.lattice(2).voronoi(self.folder / "cells.csv", clip=(0.5, 0.5, 2.5, 2.5))
+        told = self.lattice(2).voronoi(self.folder / "cells.csv", clip=(0.75, 0.75, 2.25, 2.25))
         self.assertEqual((told.cells, told.unbounded, told.outside), (4, 0, 21))
 
     def test_errors_name_what_is_wrong(self):
