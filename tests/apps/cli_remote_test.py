@@ -151,8 +151,8 @@ class Products(ServerTest):
         here = self.local("alpha", self.server.results["block"], "--alpha", "auto", "-o", "here.ply")
         self.assertEqual(said.replace("shape.ply", "here.ply").splitlines()[-1], here.stdout.splitlines()[-1])
         self.assertEqual((self.folder / "shape.ply").read_bytes(), (self.folder / "here.ply").read_bytes())
-        told = self.json_lines(self.ok("alpha", "block", "--alpha", "9", "-o", "more.ply", "--json"))[-1]
-        self.assertEqual((told["event"], told["output"], told["radius"]), ("alpha", "more.ply", 9))
+        told = self.json_lines(self.ok("alpha", "block", "--alpha", "100000", "-o", "more.ply", "--json"))[-1]
+        self.assertEqual((told["event"], told["output"], told["radius"]), ("alpha", "more.ply", 100000))
         self.assertNotIn("written", told)
         self.refused(USAGE, "alpha", "block", "--alpha", "auto", "-o", "shape.ply", says="exists already; --overwrite")
 
@@ -180,7 +180,7 @@ class Products(ServerTest):
         self.refused(USAGE, "voronoi", "block", "-o", "cells.gpkg", "--clip", "square.gpkg", says="GeoJSON")
         self.refused(USAGE, "volume", "block", "after", says="-o FILE.csv")
         self.refused(USAGE, "volume", "block", "after", "-o", "v.csv", "--difference", "d.tif", "--res", "1", says="is not for a job of a daemon")
-        self.refused(USAGE, "alpha", "block", "--alpha", "auto", "-o", "a.ply", "--server", "", "--detach", says="--detach")
+        self.refused(USAGE, "alpha", self.server.results["block"], "--alpha", "auto", "-o", "a.ply", "--server", "", "--detach", says="--detach")
         self.assertEqual(self.server.requests, [])
 
 

@@ -9,6 +9,7 @@ import http.server
 import json
 import pathlib
 import re
+import shutil
 import sys
 import threading
 import urllib.parse
@@ -220,7 +221,11 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             if len(parts) == 2:
                 return self.answer(200, about(parts[1], folder))
             if self.command == "DELETE":
-                folder.joinpath(*parts[3:]).unlink()
+                gone = folder.joinpath(*parts[3:])
+                if gone.is_dir():
+                    shutil.rmtree(gone)
+                else:
+                    gone.unlink()
                 return self.answer(204, b"")
             return self.file(folder, "/".join(parts[3:]))
         return self.problem(404, f"there is no triangulation {parts[1]}")
