@@ -102,7 +102,7 @@ class Guide(DaemonTest):
         daemon = self.start()
         text = "\n".join(re.findall(r"^    (.*)$", self.section("From Python"), re.M))
         text = text.replace("http://127.0.0.1:7070", daemon.url).replace("block/*.laz", "*.las").replace('"4G"', '"500M"')
-        for name in ("block-here/", "mesh.ply"):
+        for name in ("block-here/", "mesh.ply", "heights/", "cells.gpkg", "density.npy", "shape.ply", "volumes.csv"):
             text = text.replace(f'"{name}"', repr(str(self.folder / name)))
         names = {"tessera": tessera, "token": daemon.token, "print": lambda _: None}
         exec(compile(text, "docs/service.md", "exec"), names)
