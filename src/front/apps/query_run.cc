@@ -133,7 +133,7 @@ Status query_cells(QueryRequest& request) {
                                   (request.polygon.empty() ? "the box " + request.bbox : request.polygon));
   BOOST_OUTCOME_TRY(exported, export_cells(request.folder, result.manifest(), set.mesh, set.tiles, request.target,
                                            request.cells, request.ask.stop));
-  print_exported(exported, std::nullopt, request.output);
+  print_exported(exported, "", request.output);
   if (!set.final && !request.output.json && !request.output.quiet)
     say_beside(
         "note: this result is a region, and does not know all cells of this place; the answer has the cells that it "

@@ -63,7 +63,7 @@ Status fetch_of_job(client::Server& server, const std::string& id, const std::fi
     if (!empty) return taken;
   }
   const ExportTarget target{.path = path.has_filename() ? path : path.parent_path(), .folder = folder};
-  return fetch_export(server, job.value(), "", target, "", std::nullopt, output, stop);
+  return fetch_export(server, job.value(), "", target, "", "", output, stop);
 }
 
 Status run_fetch(Settings& settings, const std::string& name) {

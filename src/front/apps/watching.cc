@@ -115,7 +115,7 @@ Status show_outcome(client::Server& server, const proto::StatusInfo& job, const 
   if (verified) {
     print_verified(job.triangulation(), *verified, output);
   } else if (exported) {
-    print_exported(*exported, std::nullopt, output);
+    print_exported(*exported, "", output);
   } else if (heights) {
     print_heights(job.triangulation(), *heights, std::nullopt, output);
   } else if (measured) {
