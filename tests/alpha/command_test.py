@@ -180,7 +180,7 @@ class Command(CliTest):
         return found
 
     def test_map_files_have_the_same_polygons(self):
-        self.triangulate(dict(clouds(2))["gaps"], "7")
+        self.triangulate(np.delete(dict(clouds(2))["lattice"], [20, 40, 60], axis=0), "7")
         expected = self.polygons(self.alpha("a.geojson", "--alpha", "0.8")[1])
         self.assertGreater(sum(map(len, expected)), len(expected))  # there are holes
         for name in "a.gpkg", "a.fgb", "a.json":
@@ -195,7 +195,7 @@ class Command(CliTest):
 
     def test_wrong_input_is_refused(self):
         self.triangulate(np.random.default_rng(1).random((100, 3)), "2")
-        for wrong in "0", "-1", "nan", "inf", "1e999", "x", "":
+        for wrong in "0", "-1", "nan", "inf", "1e999", "x":
             self.refused(USAGE, "alpha", self.out, "--alpha=" + wrong, "-o", "a.ply", says="--alpha")
         self.refused(USAGE, "alpha", self.out, "-o", "a.ply", says="--alpha")
         self.refused(USAGE, "alpha", self.out, "--alpha", "1", says="-o")

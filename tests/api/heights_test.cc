@@ -34,7 +34,7 @@ TEST_F(Heights, AreADimensionOfCopies) {
   EXPECT_EQ(made[0].output, out() / "cloud.laz");
   EXPECT_EQ(made[0].points, 400u);
   EXPECT_EQ(made[0].outside, 0u);
-  const auto again = triangulate({made[0].output.string()}, TriangulationOptions().attributes({"HeightAboveGround"}));
+  const auto again = triangulate({made[0].output.string()}, TriangulationOptions().dimension(2).attributes({"HeightAboveGround"}));
   ASSERT_EQ(again.tile(0).attributes().size(), 1u);
   EXPECT_EQ(again.tile(0).attributes()[0].name, "HeightAboveGround");
 }

@@ -50,7 +50,7 @@ class Products(regions_test.WithDaemon):
         there = self.tessera("volume", "ground", "after/", "-o", "b.csv", *self.server)
         self.assertEqual(there, here.replace("a.csv", "b.csv"))
         self.assertEqual((self.folder / "b.csv").read_bytes(), (self.folder / "a.csv").read_bytes())
-        self.says_no("second: there is no result called 'none'", "volume", "ground", "none", "-o", "c.csv")
+        self.says_no("second: there is none called 'none'", "volume", "ground", "none", "-o", "c.csv")
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
     def says_no(self, says, *args):

@@ -216,7 +216,7 @@ def main():
     write('obj', 'scene.obj', b'# made\nmtllib a.mtl\no one\nv 0 0 0\nvt 1 1\nv 1 0 \\\n 0\nv 0 1.5e0 2 1\nf 1/1 2/1 \\\nv 3/1\n')
     write('obj', 'colours.obj', b'v 0 0 0 .25 .5 .75\nv 1 2 3\nv 4 5 6 1 0 0 1\n')
     pcd = b'# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb _\nSIZE 4 4 4 4 1\nTYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA '
-    write('pcd', 'text.pcd', pcd + b'ascii\n0 0 0.5 4278387457 1\n1 -2.5 nan 1e-40 2\n')
+    write('pcd', 'text.pcd', pcd + b'ascii\n0 0 0.5 4278387457 1\n1 -2.5 3 1e-40 2\n')
     write('pcd', 'binary.pcd', pcd + b'binary\n' + 2 * struct.pack('<fffIB', 1, 2, 3, 4, 5))
     write('pcd', 'compressed.pcd', pcd + b'binary_compressed\n' + struct.pack('<II', 11, 34) +
           bytes([3, 0, 0, 128, 63, 0xe0, 3, 3, 0xe0, 9, 7]))

@@ -55,7 +55,7 @@ Status run_alpha(Settings& settings, const OneStep& made_of) {
     auto result = write_alpha_shape(folder, target, options, interrupt.token());
     clear_line(output);
     BOOST_OUTCOME_TRY(shape, std::move(result));
-    print_product(shape, general, output);
+    print_product(shape, output);
     return success();
   });
 }

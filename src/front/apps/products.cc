@@ -23,6 +23,7 @@ AlphaShape alpha_of(const Json& outcome) {
   return {.path = text(outcome, "output"),
           .radius = outcome.at("radius").get<double>(),
           .searched = outcome.at("searched").get<bool>(),
+          .general = outcome.at("general").get<bool>(),
           .cells = number(outcome, "cells"),
           .vertices = number(outcome, "vertices"),
           .facets = number(outcome, "facets"),
@@ -83,7 +84,7 @@ Volumes volumes_of(const Json& outcome) {
 
 }  // namespace
 
-void print_product(const AlphaShape& shape, bool general, const OutputOptions& output) {
+void print_product(const AlphaShape& shape, const OutputOptions& output) {
   if (output.json) {
     std::printf("%s\n", to_json(shape).c_str());
     return;
@@ -98,7 +99,7 @@ void print_product(const AlphaShape& shape, bool general, const OutputOptions& o
     say("%s%s on the boundary, %s vertices, %s\n", file.c_str(), counted(shape.facets, "facet").c_str(),
         grouped(shape.vertices).c_str(), human_bytes(shape.bytes).c_str());
   }
-  if (general)
+  if (shape.general)
     say("singular: %s, %s, %s vertices\n", counted(shape.singular_facets, "facet").c_str(),
         counted(shape.singular_edges, "edge").c_str(), grouped(shape.singular_vertices).c_str());
   if (!shape.note.empty()) say_beside("note: %s\n", shape.note.c_str());
@@ -174,7 +175,7 @@ bool print_product(const Json& outcome, const OutputOptions& output) {
   }
   if (event == "alpha") {
     const AlphaShape shape = alpha_of(outcome);
-    print_product(shape, shape.singular_facets + shape.singular_edges + shape.singular_vertices > 0, output);
+    print_product(shape, output);
   } else if (event == "density") {
     print_product(grid_of(outcome), output);
   } else if (event == "voronoi") {

@@ -14,7 +14,7 @@
 namespace tessera::apps {
 
 // `general`: whether singular faces were asked for.
-void print_product(const AlphaShape& shape, bool general, const OutputOptions& output);
+void print_product(const AlphaShape& shape, const OutputOptions& output);
 void print_product(const density::GridFile& file, const OutputOptions& output);
 void print_product(const WrittenVoronoi& written, const OutputOptions& output);
 // How many rows the table has, and what was left out. Not the rows.

@@ -287,6 +287,7 @@ std::string to_json(const AlphaShape& shape) {
                                       {"output", shape.path.string()},
                                       {"radius", shape.radius},
                                       {"searched", shape.searched},
+                                      {"general", shape.general},
                                       {"cells", shape.cells},
                                       {"vertices", shape.vertices},
                                       {"facets", shape.facets},
@@ -308,7 +309,7 @@ Result<AlphaShape> write_alpha_shape(const fs::path& out, const fs::path& target
   if (polygons && making.manifest().dimension != 2)
     return error(Errc::usage, target.string() + ": a map holds polygons, and " + out.string() +
                                   " is a 3D result; give a name that ends in .ply");
-  AlphaShape shape{.path = target, .searched = !options.radius};
+  AlphaShape shape{.path = target, .searched = !options.radius, .general = options.general};
   if (polygons) shape.note = crs_note(making.manifest().crs);
   BOOST_OUTCOME_TRY(radius, making.radius());
   shape.radius = radius;

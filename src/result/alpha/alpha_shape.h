@@ -36,6 +36,7 @@ struct AlphaShape {
   std::filesystem::path path;
   double radius = 0;
   bool searched = false;  // whether the radius was searched
+  bool general = false;   // whether singular faces were asked for
   std::uint64_t cells = 0;
   std::uint64_t vertices = 0;  // that the file has
   std::uint64_t facets = 0, singular_facets = 0, singular_edges = 0, singular_vertices = 0;

@@ -27,7 +27,7 @@ std::optional<proto::Problem> check_exists(const ResultFolders& results, const c
   const auto there = results.exists(name);
   if (!there) return problem_of(there.error());
   if (there.value()) return std::nullopt;
-  return problem(422, std::string(field) + ": there is no result called '" + name + "'", Errc::usage);
+  return problem(422, std::string(field) + ": there is none called '" + name + "'", Errc::usage);
 }
 
 }  // namespace
