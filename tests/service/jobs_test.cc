@@ -72,7 +72,7 @@ TEST_F(Jobs, ATriangulationIsMadeProvedExportedAndDescribed) {
 
 TEST_F(Jobs, HeightsAreCopiesOfFilesBesideTheGround) {
   make_cloud("a.las", 500);
-  make_cloud("b.laz", 500, 2);
+  make_cloud("b.las", 500, 2);
   open();
   auto ground = triangulate("a.las", "ground");
   ground.mutable_triangulate()->set_dim(2);
@@ -89,8 +89,8 @@ TEST_F(Jobs, HeightsAreCopiesOfFilesBesideTheGround) {
   ASSERT_EQ(made.status(), "successful") << made.message();
   const auto outcome = service->jobs().outcome(made.job_id()).value();
   EXPECT_NE(outcome.find(R"("input":"a.las","output":"a.las","points":500,"outside":0)"), std::string::npos) << outcome;
-  EXPECT_NE(outcome.find(R"("input":"b.laz","output":"b.laz","points":500)"), std::string::npos) << outcome;
-  for (const char* file : {"exports/heights/a.las", "exports/heights/b.laz"})
+  EXPECT_NE(outcome.find(R"("input":"b.las","output":"b.las","points":500)"), std::string::npos) << outcome;
+  for (const char* file : {"exports/heights/a.las", "exports/heights/b.las"})
     EXPECT_TRUE(service->results().file("ground", file)) << file;
   EXPECT_EQ(refused(heights).status(), 409);
   asked.set_overwrite(true);
