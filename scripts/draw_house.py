@@ -15,7 +15,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(SOURCE / "tests/tree"))
 import tree  # noqa: E402
 
-WIDTH, ROW, LEFT, BOX = 1060, 62, 110, 480
+WIDTH, ROW, LEFT, BOX = 1160, 62, 110, 580
 
 
 def rooms_with_words():
