@@ -327,7 +327,11 @@ class Volume(CliTest):
         self.refused(BAD_INPUT, *plane, "--within", flat, says="flat.geojson: feature 0")
         line = self.write("line.geojson", json.dumps({"type": "LineString", "coordinates": [[0, 0], [1, 1]]}))
         self.refused(BAD_INPUT, *plane, "--within", line, says="line.geojson: feature 0 is a LINESTRING, not a polygon")
-        self.refused(BAD_INPUT, *plane, "--within", self.write("x.geojson", "no json"), says="x.geojson: GDAL cannot read")
+        self.refused(BAD_INPUT, *plane, "--within", self.write("x.geojson", "no json"), says="x.geojson: is not JSON")
+        # GDAL would fetch such a system, also one of a geometry, whatever the case of the member's name.
+        for member in '"crs": {"type": "link", "properties": {"href": "http://127.0.0.1:9/x"}}', '"CRS": {"properties": {}, "Type": "URL"}':
+            polygon = '{"type": "Polygon", %s, "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 0]]]}' % member
+            self.refused(BAD_INPUT, *plane, "--within", self.write("link.geojson", polygon), says=["link.geojson", "as a link"])
         empty = self.write("empty.geojson", json.dumps({"type": "FeatureCollection", "features": []}))
         self.refused(BAD_INPUT, *plane, "--within", empty, says="empty.geojson")
         self.refused(IO, *plane, "--within", "none.gpkg", says="none.gpkg")

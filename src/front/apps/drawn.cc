@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/front/apps/outcome_fields.h"
 #include "src/front/apps/products.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/words.h"
@@ -16,9 +17,6 @@ namespace tessera::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::uint64_t number(const Json& outcome, const char* key) { return outcome.at(key).get<std::uint64_t>(); }
-std::string text(const Json& outcome, const char* key) { return outcome.at(key).get<std::string>(); }
 
 RegionSummary region_of(const Json& outcome) {
   RegionSummary region;

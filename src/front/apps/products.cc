@@ -8,6 +8,7 @@
 #include <string>
 
 #include "src/base/json/json_text.h"
+#include "src/front/apps/outcome_fields.h"
 #include "src/front/apps/say.h"
 #include "src/job/report/human.h"
 
@@ -15,9 +16,6 @@ namespace tessera::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::uint64_t number(const Json& outcome, const char* key) { return outcome.at(key).get<std::uint64_t>(); }
-std::string text(const Json& outcome, const char* key) { return outcome.at(key).get<std::string>(); }
 
 AlphaShape alpha_of(const Json& outcome) {
   return {.path = text(outcome, "output"),

@@ -1,6 +1,8 @@
 #include "src/result/query/geojson.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -111,7 +113,69 @@ std::string named_crs(const json& document) {
   return name != properties->end() && name->is_string() ? crs_of_name(name->get<std::string>()) : "";
 }
 
+// GDAL compares names of members without regard to case.
+bool is_called(const std::string& name, std::string_view wanted) {
+  return std::equal(name.begin(), name.end(), wanted.begin(), wanted.end(),
+                    [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+}
+
+// Looks through a document for members `crs` that are neither a name nor an EPSG code.
+class CrsLinks final : public nlohmann::json_sax<json> {
+ public:
+  bool found() const { return found_; }
+
+  bool null() override { return value(); }
+  bool boolean(bool /*value*/) override { return value(); }
+  bool number_integer(number_integer_t /*value*/) override { return value(); }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return value(); }
+  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return value(); }
+  bool binary(binary_t& /*value*/) override { return value(); }
+  bool string(string_t& text) override {
+    found_ = found_ || (at_type_ && !is_called(text, "name") && !is_called(text, "epsg"));
+    return value();
+  }
+  bool key(string_t& name) override {
+    at_type_ = depth_ > 0 && depth_ == crs_depth_ && is_called(name, "type");
+    at_crs_ = crs_depth_ == 0 && is_called(name, "crs");
+    return true;
+  }
+  bool start_object(std::size_t /*size*/) override {
+    ++depth_;
+    if (at_crs_) crs_depth_ = depth_;
+    return value();
+  }
+  bool end_object() override {
+    if (depth_ == crs_depth_) crs_depth_ = 0;
+    --depth_;
+    return true;
+  }
+  bool start_array(std::size_t /*size*/) override { return value(); }
+  bool end_array() override { return true; }
+  bool parse_error(std::size_t /*at*/, const std::string& /*token*/, const json::exception& /*why*/) override {
+    return false;
+  }
+
+ private:
+  bool value() {
+    at_type_ = at_crs_ = false;
+    return true;
+  }
+
+  std::size_t depth_ = 0, crs_depth_ = 0;  // of the object that is the value of `crs`; 0: none is open
+  bool at_type_ = false, at_crs_ = false;  // the next value is that of such a member
+  bool found_ = false;
+};
+
 }  // namespace
+
+Status check_no_links(const std::filesystem::path& path) {
+  BOOST_OUTCOME_TRY(text, read_whole(path));
+  CrsLinks links;
+  const auto bad = [&](const char* reason) { return error(Errc::bad_input, path.string() + ": " + reason); };
+  if (!json::sax_parse(as_text(text), &links)) return bad("is not JSON");
+  if (links.found()) return bad("gives its coordinate system as a link, which is not followed; give its name instead");
+  return success();
+}
 
 Status GeoJsonFrame::check_in(const std::string& there, const Bounds& points) const {
   const auto refuse = [&](const std::string& why) {

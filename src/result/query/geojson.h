@@ -40,4 +40,8 @@ Result<GeoJsonShapes> read_geojson(const std::filesystem::path& path, GeoJson ki
 // The same for the text of such a file; errors name it `name`.
 Result<GeoJsonShapes> of_geojson(std::string_view text, const std::string& name, GeoJson kind);
 
+// For a file that GDAL is to read: GDAL fetches a coordinate system that a member `crs` gives as a link. Errors: io;
+// bad_input for a file that is not JSON, and for such a link.
+Status check_no_links(const std::filesystem::path& path);
+
 }  // namespace tessera::query

@@ -14,6 +14,7 @@
 #include "src/base/ledger.h"
 #include "src/base/option.h"
 #include "src/base/printable.h"
+#include "src/result/export/ending.h"
 
 namespace tessera::volume {
 
@@ -39,11 +40,18 @@ class PolygonReader {
 
   Status open() {
     BOOST_OUTCOME_TRYV(check_regular(path_));  // GDAL would wait for a named pipe
-    const char* const drivers[] = {"GPKG", "GeoJSON", "FlatGeobuf", "ESRI Shapefile", nullptr};
-    dataset_ = gdal_.GDALOpenEx(path_.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, nullptr, nullptr);
+    const std::string ending = exports::ending_of(path_);
+    const bool geojson = ending == ".geojson" || ending == ".json";
+    if (geojson) {
+      BOOST_OUTCOME_TRYV(query::check_no_links(path_));
+    }
+    const char* const text[] = {"GeoJSON", nullptr};
+    const char* const binary[] = {"GPKG", "FlatGeobuf", "ESRI Shapefile", nullptr};
+    dataset_ =
+        gdal_.GDALOpenEx(path_.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, geojson ? text : binary, nullptr, nullptr);
     if (dataset_ == nullptr)
-      return bad("GDAL cannot read polygons of it as GeoPackage, GeoJSON, FlatGeobuf or Shapefile: " +
-                 quiet_.message());
+      return bad(std::string("GDAL cannot read polygons of it as ") +
+                 (geojson ? "GeoJSON: " : "GeoPackage, FlatGeobuf or Shapefile: ") + quiet_.message());
     const int layers = gdal_.GDALDatasetGetLayerCount(dataset_);
     if (layers != 1) return bad("has " + std::to_string(layers) + " layers; give a file with one");
     layer_ = gdal_.GDALDatasetGetLayer(dataset_, 0);
