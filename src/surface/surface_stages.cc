@@ -16,7 +16,6 @@ namespace tessera::surface {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Kind = SensorOptions::Kind;
 
 Json json_of(const Point& at) { return Json::array({at.x, at.y, at.z}); }
 Point point_of(const Json& json) {
@@ -37,9 +36,9 @@ Json json_of(const SensorOptions& sensors) {
 SensorOptions sensors_of(const Json& json) {
   SensorOptions sensors;
   const int kind = json.at("kind");
-  if (kind < 0 || kind > static_cast<int>(Kind::track))
+  if (kind < 0 || kind > static_cast<int>(SensorOptions::Kind::track))
     throw Json::other_error::create(501, "the kind of sensors is not known", nullptr);
-  sensors.kind = static_cast<Kind>(kind);
+  sensors.kind = static_cast<SensorOptions::Kind>(kind);
   json.at("else_above").get_to(sensors.else_above);
   for (const Json& at : json.at("positions")) sensors.positions.push_back(point_of(at));
   const Json& track = json.at("track");

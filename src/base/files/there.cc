@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-constexpr const char* refused = "cannot be examined";
+constexpr const char* not_examined = "cannot be examined";
 
 }  // namespace
 
@@ -17,7 +17,7 @@ Result<std::optional<struct stat>> look_at(const std::filesystem::path& path, Fo
   const int failed = links == FollowLinks::yes ? ::stat(path.c_str(), &found) : ::lstat(path.c_str(), &found);
   if (failed == 0) return std::optional(found);
   if (errno == ENOENT || errno == ENOTDIR) return std::optional<struct stat>();
-  return io_error(path, refused, errno);
+  return io_error(path, not_examined, errno);
 }
 
 Result<bool> is_there(const std::filesystem::path& path, FollowLinks links) {
@@ -38,7 +38,7 @@ Result<bool> is_regular(const std::filesystem::path& path, FollowLinks links) {
 Result<bool> is_empty_folder(const std::filesystem::path& path) {
   FolderReader reader(path);
   const bool empty = reader.next() == nullptr;
-  if (reader.error()) return io_error(path, refused, reader.error().value());
+  if (reader.error()) return io_error(path, not_examined, reader.error().value());
   return empty;
 }
 
@@ -46,7 +46,7 @@ Result<std::uint64_t> file_bytes(const std::filesystem::path& path) {
   BOOST_OUTCOME_TRY(bytes, bytes_if_there(path));
   if (bytes) return *bytes;
   BOOST_OUTCOME_TRY(there, is_there(path));
-  if (!there) return io_error(path, refused, ENOENT);
+  if (!there) return io_error(path, not_examined, ENOENT);
   return error(Errc::io, path.string() + ": is not a regular file");
 }
 

@@ -38,7 +38,7 @@ constexpr std::chrono::milliseconds pause{50};  // between two requests to the c
 constexpr std::int64_t nodes_max = 64, usual_nodes = 4;
 constexpr std::uint64_t memory_min = std::uint64_t{64} << 20;
 
-struct Arguments {
+struct ClusterArguments {
   std::string action, folder, node;
 };
 
@@ -286,7 +286,7 @@ Status run_down(const fs::path& folder, const OutputOptions& output) {
   return success();
 }
 
-Status run_cluster(Settings& settings, const Arguments& arguments) {
+Status run_cluster(Settings& settings, const ClusterArguments& arguments) {
   const std::string& action = arguments.action;
   if (action.empty()) return error(Errc::usage, "no action is given; try 'tessera cluster --help'");
   if (action != "up" && action != "status" && action != "kill" && action != "down")
@@ -326,7 +326,7 @@ Command add_cluster(CLI::App& root) {
   add_value(command, "inputs", "DIR,...", "up: folders that jobs may read; default: the current folder", 0, true);
   add_switch(command, "quiet", "print errors only");
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ClusterArguments>();
   add_argument(command, "action", "up|status|kill|down", arguments->action, "what to do");
   add_choices(command, "action", "up, status, kill, down");
   add_argument(command, "folder", "DIR", arguments->folder, "the folder of the cluster; up makes it");

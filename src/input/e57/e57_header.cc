@@ -19,7 +19,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t header_bytes = 48;
+constexpr std::size_t file_header_bytes = 48;
 constexpr std::uint64_t xml_bytes_max = std::uint64_t{64} << 20;
 constexpr std::size_t depth_max = 64, scans_max = 1'000'000, fields_max = 4096;
 
@@ -213,7 +213,7 @@ Result<std::size_t> e57_page_bytes(const ByteSource& source) {
   const auto bad = [&](const std::string& what) {
     return error(Errc::bad_input, source.path().string() + ": " + what);
   };
-  std::array<std::byte, header_bytes> header{};
+  std::array<std::byte, file_header_bytes> header{};
   if (source.size() < header.size()) return bad("ends within the header of an E57 file");
   BOOST_OUTCOME_TRYV(source.read(0, header));
   if (std::memcmp(header.data(), "ASTM-E57", 8) != 0) return bad("is not an E57 file");
@@ -229,7 +229,7 @@ Result<std::size_t> e57_page_bytes(const ByteSource& source) {
 Result<E57Header> read_e57_header(E57Pages& pages) {
   const std::string path = pages.source().path().string();
   const auto bad = [&](const std::string& what) { return error(Errc::bad_input, path + ": " + what); };
-  std::array<std::byte, header_bytes> header{};
+  std::array<std::byte, file_header_bytes> header{};
   BOOST_OUTCOME_TRYV(pages.read(0, header));
   const auto xml_at = load<std::uint64_t>(header.data() + 24), xml_bytes = load<std::uint64_t>(header.data() + 32);
   if (xml_bytes > xml_bytes_max)

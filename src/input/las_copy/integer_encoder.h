@@ -11,6 +11,11 @@
 
 namespace tessera::laz {
 
+// The difference, which wraps around.
+inline std::int32_t moved(std::int32_t from, std::int32_t to) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) - static_cast<std::uint32_t>(from));
+}
+
 // The other half of IntegerDecoder<bits, contexts>.
 template <std::uint32_t bits, std::uint32_t contexts = 1>
 class IntegerEncoder {

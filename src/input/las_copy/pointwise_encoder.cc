@@ -24,10 +24,6 @@ class ItemEncoder {
   virtual void next(ArithmeticEncoder& encoder, const std::byte* raw) = 0;
 };
 
-std::int32_t moved(std::int32_t from, std::int32_t to) {
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) - static_cast<std::uint32_t>(from));
-}
-
 // A byte that is predicted from its value in the last point.
 class ByteByLastEncoder {
  public:

@@ -8,10 +8,6 @@ namespace {
 
 std::uint32_t channel_of(const std::byte* record) { return std::to_integer<std::uint32_t>(record[15]) >> 4 & 3; }
 
-std::int32_t moved(std::int32_t from, std::int32_t to) {
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) - static_cast<std::uint32_t>(from));
-}
-
 }  // namespace
 
 ReturnsXyEncoder::ReturnsXyEncoder(const std::byte* first) : current_(channel_of(first)) {

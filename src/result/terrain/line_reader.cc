@@ -17,7 +17,7 @@ std::string text_of(auto number) {
   return {digits, std::to_chars(digits, digits + sizeof digits, number).ptr};
 }
 
-std::string quoted(const std::string& name) {
+std::string quoted_name(const std::string& name) {
   std::string text = "\"";
   for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
   return text + "\"";
@@ -64,8 +64,8 @@ Status LineReader::for_each(std::uint64_t after, const std::optional<Bounds>& bo
   const DefaultArithmetic kept;
   const GdalQuiet quiet(gdal_);
   // The names of the columns are those that GDAL gives in files that we write.
-  std::string sql = "SELECT fid AS line_number, " + quoted(value_name_) + " AS line_value, " +
-                    (index_name_.empty() ? "NULL" : quoted(index_name_)) +
+  std::string sql = "SELECT fid AS line_number, " + quoted_name(value_name_) + " AS line_value, " +
+                    (index_name_.empty() ? "NULL" : quoted_name(index_name_)) +
                     " AS line_index, geom FROM contours WHERE fid > " + text_of(after);
   if (box)
     sql += " AND fid IN (SELECT id FROM rtree_contours_geom WHERE maxx >= " + text_of(box->lo.x) +

@@ -5,13 +5,11 @@
 #include <cstring>
 
 #include "src/geometry/predicates/exact/predicates.h"
+#include "src/result/voronoi/corner_order.h"
 
 namespace tessera::voronoi {
 
 namespace {
-
-bool same(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y; }
-bool before(const Point& a, const Point& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
 // Whether a ring is convex and runs counterclockwise once. Corners may lie on the line between their neighbours.
 bool is_convex(const Ring& ring) {

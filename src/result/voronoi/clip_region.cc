@@ -3,14 +3,12 @@
 #include <bit>
 
 #include "src/geometry/predicates/exact/predicates.h"
+#include "src/result/voronoi/corner_order.h"
 #include "src/result/voronoi/exact_number.h"
 
 namespace tessera::voronoi {
 
 namespace {
-
-bool same(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y; }
-bool before(const Point& a, const Point& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
 // Whether p, which is on the line of the edge, is strictly between its ends.
 bool between(const Point& p, const ClipRegion::Edge& edge) {

@@ -8,11 +8,11 @@ namespace tessera::voronoi {
 
 namespace {
 
-bool before(const Point& a, const Point& b) {
+bool place_before(const Point& a, const Point& b) {
   if (a.x != b.x) return a.x < b.x;
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
-bool same(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+bool same_place(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 using Vector = std::array<long double, 3>;
 
@@ -55,9 +55,9 @@ void PolyhedronMaker::clear() { faces_.clear(); }
 void PolyhedronMaker::add_face(std::span<const Point> corners) {
   std::vector<Point> face(corners.begin(), corners.end());
   face.erase(std::unique(face.begin(), face.end(), same), face.end());
-  while (face.size() > 1 && same(face.front(), face.back())) face.pop_back();
+  while (face.size() > 1 && same_place(face.front(), face.back())) face.pop_back();
   if (face.size() < 3) return;
-  std::rotate(face.begin(), std::min_element(face.begin(), face.end(), before), face.end());
+  std::rotate(face.begin(), std::min_element(face.begin(), face.end(), place_before), face.end());
   faces_.push_back(std::move(face));
 }
 
@@ -66,13 +66,13 @@ bool PolyhedronMaker::finish(Polyhedron& cell) {
   cell.faces.clear();
   if (faces_.size() < 4) return false;
   for (const auto& face : faces_) cell.corners.insert(cell.corners.end(), face.begin(), face.end());
-  std::sort(cell.corners.begin(), cell.corners.end(), before);
+  std::sort(cell.corners.begin(), cell.corners.end(), place_before);
   cell.corners.erase(std::unique(cell.corners.begin(), cell.corners.end(), same), cell.corners.end());
   for (const auto& face : faces_) {
     auto& numbers = cell.faces.emplace_back();
     for (const Point& p : face)
       numbers.push_back(static_cast<std::uint32_t>(
-          std::lower_bound(cell.corners.begin(), cell.corners.end(), p, before) - cell.corners.begin()));
+          std::lower_bound(cell.corners.begin(), cell.corners.end(), p, place_before) - cell.corners.begin()));
   }
   return true;
 }

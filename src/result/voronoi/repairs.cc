@@ -6,12 +6,12 @@
 #include <tuple>
 #include <utility>
 
+#include "src/result/voronoi/corner_order.h"
+
 namespace tessera::voronoi {
 
 namespace {
 
-bool same(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y; }
-bool before(const Point& a, const Point& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 auto key_of(const Insertion& i) { return std::tuple(i.a.x, i.a.y, i.b.x, i.b.y, i.corner.x, i.corner.y); }
 bool less(const Insertion& a, const Insertion& b) { return key_of(a) < key_of(b); }
 

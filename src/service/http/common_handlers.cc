@@ -16,7 +16,6 @@ namespace tessera::service::http {
 namespace {
 
 using nlohmann::ordered_json;
-constexpr const char* json = "application/json";
 
 struct Entry {
   const char* path;

@@ -48,7 +48,7 @@ void add_dashboard_routes(std::vector<Route>& routes);
 void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations);
 
 // The parameter `limit` of a query. Error usage when it is no number or below 1. At most `max`.
-Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std::uint32_t max);
+Result<std::uint32_t> limit_of(const Request& request);
 // An error of the caller, as a problem with status 400.
 Answer bad_request(const Error& error);
 

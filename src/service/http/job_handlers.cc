@@ -12,9 +12,7 @@
 namespace tessera::service::http {
 namespace {
 
-constexpr std::uint32_t page = 100, page_max = 1000;
 constexpr std::size_t key_length_max = 255;
-constexpr const char* json = "application/json";
 
 Answer unknown_process(const std::string& name) {
   return problem(404, "there is no process '" + name + "'", 0,
@@ -73,7 +71,7 @@ Answer estimate(const Call& call) {
 
 Answer jobs(const Call& call) {
   const Target& target = call.request.target;
-  const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
+  const Result<std::uint32_t> limit = limit_of(call.request);
   if (!limit) return bad_request(limit.error());
   JobQuery query;
   query.limit = limit.value();

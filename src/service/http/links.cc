@@ -8,8 +8,6 @@
 namespace tessera::service::http {
 namespace {
 
-constexpr const char* json = "application/json";
-
 bool is_terminal(std::string_view state) { return state != "accepted" && state != "running"; }
 
 }  // namespace

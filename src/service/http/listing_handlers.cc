@@ -7,8 +7,6 @@
 namespace tessera::service::http {
 namespace {
 
-constexpr std::uint32_t page = 100, page_max = 1000;
-constexpr const char* json = "application/json";
 constexpr const char* map_relation = "http://www.opengis.net/def/rel/ogc/1.0/tilesets-map";
 
 // Adds links to the export's bytes and to what shows it: a map, features, a tileset.
@@ -36,7 +34,7 @@ void add_links(const Call& call, proto::ExportInfo& made) {
 }
 
 Answer exports(const Call& call) {
-  const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
+  const Result<std::uint32_t> limit = limit_of(call.request);
   if (!limit) return bad_request(limit.error());
   Reply<proto::ExportList> found = call.context.backend->results.exports(
       call.arguments[0], limit.value(), call.request.target.parameter("after").value_or(""));
@@ -54,7 +52,7 @@ Answer exports(const Call& call) {
 }
 
 Answer inputs(const Call& call) {
-  const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
+  const Result<std::uint32_t> limit = limit_of(call.request);
   if (!limit) return bad_request(limit.error());
   const std::string folder(call.request.target.parameter("folder").value_or(""));
   Reply<proto::InputList> found = call.context.backend->inputs.list(

@@ -12,7 +12,6 @@ namespace {
 using nlohmann::ordered_json;
 using About = Question::About;
 
-constexpr const char* json = "application/json";
 constexpr const char* geojson = "application/geo+json";
 constexpr const char* png = "image/png";
 constexpr const char* matrix_set = "http://www.opengis.net/def/tilematrixset/OGC/1.0/WebMercatorQuad";

@@ -20,6 +20,8 @@
 
 namespace tessera::service::http {
 
+inline constexpr const char* json = "application/json";
+
 using Headers = std::vector<std::pair<std::string, std::string>>;
 
 struct Request {

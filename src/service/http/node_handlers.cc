@@ -5,8 +5,6 @@
 namespace tessera::service::http {
 namespace {
 
-constexpr const char* json = "application/json";
-
 Answer nodes(const Call& call) {
   Reply<proto::NodeList> found = call.context.backend->nodes.list();
   if (!found) return problem(found.error());

@@ -12,7 +12,6 @@ namespace {
 
 using About = Question::About;
 
-constexpr const char* json = "application/json";
 constexpr const char* csv = "text/csv";
 constexpr const char* npy = "application/x-npy";
 constexpr const char* geojson = "application/geo+json";

@@ -10,9 +10,6 @@
 namespace tessera::service::http {
 namespace {
 
-constexpr std::uint32_t page = 100, page_max = 1000;
-constexpr const char* json = "application/json";
-
 Answer no_content() {
   Answer answer;
   answer.status = 204;
@@ -20,7 +17,7 @@ Answer no_content() {
 }
 
 Answer triangulations(const Call& call) {
-  const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
+  const Result<std::uint32_t> limit = limit_of(call.request);
   if (!limit) return bad_request(limit.error());
   Reply<proto::TriangulationList> found =
       call.context.backend->results.list(limit.value(), call.request.target.parameter("after").value_or(""));
@@ -114,7 +111,8 @@ Reply<std::unique_ptr<Upload>> upload(const Call& call) {
 
 }  // namespace
 
-Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std::uint32_t max) {
+Result<std::uint32_t> limit_of(const Request& request) {
+  constexpr std::uint32_t usual = 100, max = 1000;
   const auto text = request.target.parameter("limit");
   if (!text) return usual;
   std::uint32_t limit = 0;

@@ -21,7 +21,6 @@ constexpr double explained_min = 0.7;  // of the variance of positions across, b
 constexpr double degrees_max = 2;      // the median of a window
 constexpr double degrees_fine = 0.05;  // points that agree better weigh no more
 constexpr int rounds = 30;
-constexpr double degree = 0.017453292519943295;
 
 struct Plane {
   double x = 0, y = 0;

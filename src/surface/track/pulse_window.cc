@@ -11,12 +11,11 @@ namespace tessera {
 
 namespace {
 
-constexpr double length_min = 3;        // from the first return to the last, in units of the coordinates
-constexpr double degrees_max = 2;       // the median of a window
-constexpr double uncertain_max = 0.15;  // of the height: its standard deviation
+constexpr double length_min = 3;         // from the first return to the last, in units of the coordinates
+constexpr double pulse_degrees_max = 2;  // the median of a window
+constexpr double uncertain_max = 0.15;   // of the height: its standard deviation
 constexpr std::size_t pairs = 300;
-constexpr int rounds = 10;
-constexpr double degree = 0.017453292519943295;
+constexpr int pulse_rounds = 10;
 
 Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -94,7 +93,7 @@ std::optional<Point> start(const std::vector<Line>& lines) {
     const auto at = between(lines[i], lines[j]);
     if (!at || !is_finite(*at)) continue;
     std::size_t agree = 0;
-    for (std::size_t l = 0; l < n; l += stride) agree += degrees_between(lines[l], *at) < degrees_max ? 1 : 0;
+    for (std::size_t l = 0; l < n; l += stride) agree += degrees_between(lines[l], *at) < pulse_degrees_max ? 1 : 0;
     if (agree <= most) continue;
     most = agree;
     best = at;
@@ -123,7 +122,7 @@ std::optional<Window> solve(const std::vector<Line>& lines, double time) {
   const auto square = [&](std::size_t i) { return lines[i].length * lines[i].length; };
   std::size_t agree = 0;
   double sum = 0;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < pulse_rounds; ++round) {
     const double most = std::max(3 * middle_of(degrees), 0.2);
     const std::vector<double> before = degrees;
     if (!fit([&](std::size_t i) { return before[i] <= most ? square(i) : 0; })) return std::nullopt;
@@ -141,7 +140,7 @@ std::optional<Window> solve(const std::vector<Line>& lines, double time) {
   Window window{time, at, middle_of(heights), degrees};
   const double deviation = std::sqrt(variance * sum / static_cast<double>(std::max<std::size_t>(agree, 4) - 3));
   const bool good = agree >= window_observations_min && 2 * agree >= lines.size() && is_height_flown(window.height) &&
-                    deviation < uncertain_max * window.height && middle_of(degrees) < degrees_max;
+                    deviation < uncertain_max * window.height && middle_of(degrees) < pulse_degrees_max;
   return good ? std::optional(std::move(window)) : std::nullopt;
 }
 

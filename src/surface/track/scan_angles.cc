@@ -7,7 +7,7 @@
 namespace tessera {
 
 namespace {
-constexpr double degrees_max = 80;  // beyond it the tangent says nothing
+constexpr double angle_max = 80;  // beyond it the tangent says nothing
 }
 
 ScanAngles::ScanAngles(const std::vector<Attribute>& schema, std::size_t most) : points_(most) {
@@ -22,7 +22,7 @@ ScanAngles::ScanAngles(const std::vector<Attribute>& schema, std::size_t most) :
 void ScanAngles::add(const Point& at, const std::byte* row) {
   const double degrees = angle_.value(row), time = time_.value(row);
   const double line = line_ ? line_->value(row) : 0;
-  if (!std::isfinite(time) || !(line >= 0 && line < 4e9) || !(std::abs(degrees) <= degrees_max)) return;
+  if (!std::isfinite(time) || !(line >= 0 && line < 4e9) || !(std::abs(degrees) <= angle_max)) return;
   points_.add({static_cast<std::uint32_t>(line), time, degrees, at});
 }
 

@@ -12,6 +12,7 @@
 
 namespace tessera {
 
+constexpr double degree = 0.017453292519943295;  // in radians
 constexpr double window_s = 0.5;
 constexpr std::size_t window_observations_min = 50;
 

@@ -8,14 +8,14 @@
 namespace tessera::budget {
 namespace {
 
-constexpr std::uint64_t mib = std::uint64_t{1} << 20;
+constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
 constexpr std::uint64_t smallest_tile = 10'000;
 // A larger tile gains nothing: less than 3 % of its stars are at its border.
 constexpr std::uint64_t largest_tile(int dimension) { return dimension == 3 ? 1'000'000 : 2'000'000; }
 // Below this, halving tiles to keep threads busy costs more in stars at borders than it gains.
 constexpr std::uint64_t worthwhile_tile = 200'000;
 
-std::string in_mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mib - 1) / mib) + "M"; }
+std::string in_mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mebibyte - 1) / mebibyte) + "M"; }
 
 std::string threads_text(std::uint32_t threads) {
   return std::to_string(threads) + (threads == 1 ? " thread" : " threads");
@@ -57,13 +57,13 @@ std::uint64_t fitting(int dimension, KernelKind kernel, std::uint64_t points, st
 // Returns the least number of whole MiB for which `holds` is true. REQUIRES: it is true for all larger numbers, too.
 template <class Holds>
 std::uint64_t least_memory(Holds holds) {
-  std::uint64_t below = 0, above = mib;
+  std::uint64_t below = 0, above = mebibyte;
   while (!holds(above)) {
     below = above;
     above *= 2;
   }
-  while (above - below > mib) {
-    const std::uint64_t middle = (below + above) / 2 / mib * mib;
+  while (above - below > mebibyte) {
+    const std::uint64_t middle = (below + above) / 2 / mebibyte * mebibyte;
     (holds(middle) ? above : below) = middle;
   }
   return above;
