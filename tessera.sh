@@ -61,9 +61,9 @@ tidy() {
   [[ -n $files ]] || { echo "clang-tidy: no source has changed"; return; }
   deploy/install-deps.sh build test clang
   build all
-  # Clang does not read the precompiled headers of GCC.
-  mkdir -p build/tidy
-  sed -E 's/-Winvalid-pch//g; s/-include [^ "]*cmake_pch\.hxx//g' $build_folder/compile_commands.json > build/tidy/compile_commands.json
+  # Each source by itself, and without precompiled headers, which Clang does not read. What is generated is in the build.
+  cmake --preset release -B build/tidy -DTESSERA_UNITY=OFF -DTESSERA_PRECOMPILED=OFF > /dev/null
+  sed -i "s#/build/tidy/#/$build_folder/#g" build/tidy/compile_commands.json
   xargs -P "$jobs" -n 4 clang-tidy -p build/tidy --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option <<< "$files"
 }
 
@@ -94,7 +94,7 @@ nightly() {
   build engine_product
   cmake --build $build_folder --target nightly
   # Each source includes what it uses, also where no header is precompiled.
-  cmake --preset release -B build/plain -DTESSERA_PRECOMPILED=OFF
+  cmake --preset release -B build/plain -DTESSERA_PRECOMPILED=OFF -DTESSERA_UNITY=OFF
   cmake --build build/plain -j "$jobs"
 }
 

@@ -6,8 +6,9 @@
 option(TESSERA_UNITY "Compile several sources of a target together" ON)
 
 # Kernels and the exchange are compiled source by source, so that what the compiler inlines there does not depend on their
-# neighbours. What protobuf generates cannot be compiled together.
-set(TESSERA_UNITY_ALONE "^(proto|src/geometry|src/exchange|src/tiling/tile)(/|$)")
+# neighbours. What protobuf generates cannot be compiled together. Tests have few sources a program, and many small
+# functions of the same names.
+set(TESSERA_UNITY_ALONE "^(proto|src/geometry|src/exchange|src/tiling/tile|tests)(/|$)")
 
 # To be called after all targets are made.
 function(tessera_unity_builds)

@@ -13,7 +13,14 @@ COMMANDS = json.loads((pathlib.Path(os.environ["LINKS"]).parent / "compile_comma
 
 
 def command_for(path):
-    found = [entry for entry in COMMANDS if pathlib.Path(entry["file"]) == SOURCE / path]
+    source = str(SOURCE / path)
+
+    def compiles_it(entry):
+        if "/Unity/unity_" not in entry["file"]:
+            return entry["file"] == source
+        return f'"{source}"' in pathlib.Path(entry["file"]).read_text()
+
+    found = [entry for entry in COMMANDS if compiles_it(entry)]
     if len(found) != 1:
         raise AssertionError(f"{path} is compiled {len(found)} times")
     return found[0]
