@@ -232,6 +232,30 @@ std::vector<SharedPoint> TileTriangulation::affected(std::size_t most) const {
   return out;
 }
 
+std::optional<SharedPoint> TileTriangulation::old_point() const {
+  for (Vertex v = 1; v < live_from_; ++v) {
+    if (is_local(v) && kernel_->alive(v)) return SharedPoint{kernel_->point(v), ids_[v], options_.self, 0};
+  }
+  return std::nullopt;
+}
+
+SharedPoint TileTriangulation::new_point() const {
+  const Vertex v = local_.begin()->second;
+  return {kernel_->point(v), ids_[v], options_.self, fresh_bit};
+}
+
+Bounds TileTriangulation::changed() const {
+  Bounds out;
+  std::vector<Vertex> around;
+  for (Vertex v = 1; fresh_ && v < ids_.size(); ++v) {
+    if (!is_local(v) || !kernel_->alive(v) || !fresh_->has(v)) continue;
+    out.add(kernel_->point(v));
+    kernel_->neighbours(v, around);
+    for (const Vertex w : around) out.add(kernel_->point(w));
+  }
+  return out;
+}
+
 std::unique_ptr<TileTriangulation> TileTriangulation::clone() const {
   check(is_settled(), "a live tile is settled before it is copied");
   auto copy = std::make_unique<TileTriangulation>(options_);

@@ -185,6 +185,13 @@ class TileTriangulation {
   Status know_common(const SharedPoint& common);
   // At most `most` of the own points that are fresh and were there before the change, spread evenly.
   std::vector<SharedPoint> affected(std::size_t most) const;
+  // An own point that was there before the change, if there is one.
+  std::optional<SharedPoint> old_point() const;
+  // An own point with its fresh bit, when all are new. REQUIRES: own_points() > 0, no old_point().
+  SharedPoint new_point() const;
+  // The bounds of the fresh own points and of all their neighbours: each new cell of the whole triangulation lies in
+  // these bounds of some tile. Empty before change(), and after settle().
+  Bounds changed() const;
   // Returns a copy. REQUIRES: settle().
   std::unique_ptr<TileTriangulation> clone() const;
   // The vertex of a point, or 0. REQUIRES: a live tile.
