@@ -69,6 +69,13 @@ class LiveResult {
   const TileSource& source() const { return source_; }
   std::uint64_t log_bytes() const;
 
+  // Makes the newest version the next version of the stored result, by new files of the tiles that have changed, and
+  // begins a new log. However the process ends, opening the result again brings back all batches. Batches wait meanwhile,
+  // readers do not. Errors: those of NewVersion; usage when another program has changed the result meanwhile. After an
+  // error of committing nothing can be applied any more, and opening the result again tells what is stored.
+  // Thread-safe.
+  Status checkpoint();
+
   // Writes the newest version as a result of its own, to a folder that must not exist. Files of tiles that have not
   // changed since the stored version are hard links. Batches wait meanwhile, readers do not. Errors: usage when the
   // folder exists; io; corrupt. After an error nothing is left of the folder. Thread-safe.
