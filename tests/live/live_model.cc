@@ -93,7 +93,17 @@ void LiveModel::apply(const ResultChange& change) {
   for (const PointId id : change.remove) points_.erase(id);
   for (const Point& p : change.add) points_[PointId{next_id_++}] = p;
   ++version_;
-  ++batches_;
+}
+
+bool LiveModel::go_on() {
+  const ResultChange change = next();
+  const bool allowed = allows(change);
+  if (allowed) {
+    apply(change);
+  } else {
+    skip();
+  }
+  return allowed;
 }
 
 bool LiveModel::allows(const ResultChange& change) const {

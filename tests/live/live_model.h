@@ -33,9 +33,8 @@ class LiveModel {
 
   // Counts batches, those that were refused, too.
   std::uint64_t version() const { return version_; }
-  // Counts those that were applied since the result was written.
-  std::uint64_t batches() const { return batches_; }
-  void written() { batches_ = 0; }
+  // Applies the next batch, or passes over it. Returns whether it was applied.
+  bool go_on();
   // The batch that follows on this version: always the same one.
   ResultChange next() const;
   // Whether what the batch leaves spans space.
@@ -60,7 +59,7 @@ class LiveModel {
   Partition partition_;
   std::map<PointId, Point> points_;
   std::uint64_t next_id_ = 0;
-  std::uint64_t version_ = 0, batches_ = 0;
+  std::uint64_t version_ = 0;
 };
 
 }  // namespace tessera::testing

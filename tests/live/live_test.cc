@@ -61,7 +61,13 @@ TEST_P(Live, IsTheTriangulationOfItsPointsAfterEachBatch) {
   for (int k = 0; k < 40; ++k) {
     step(model);
     if (HasFailure()) return;
-    if (k % 10 == 9) {  // again, from the log
+    if (k % 10 == 6) {
+      const Status made = live_->checkpoint();
+      ASSERT_TRUE(made) << made.error().where;
+      const auto proof = verify(folder_, {}, {});
+      ASSERT_TRUE(proof) << proof.error().where;
+    }
+    if (k % 5 == 4) {  // again, from the log
       open();
       ASSERT_NE(live_, nullptr);
       EXPECT_EQ(model.compare(*live_->current()), "");
@@ -136,6 +142,20 @@ TEST_F(LiveOne, NeverUsesARemovedIdAgain) {
   ASSERT_TRUE(two);
   EXPECT_EQ(two.value().first_new, id.value + 1);
   EXPECT_FALSE(live_->apply({.remove = {id}}));
+}
+
+TEST_F(LiveOne, DoesNotLoseALogWhenTheResultIsChangedByOthers) {
+  LiveModel model({"uniform", 2}, 30, 5);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  ASSERT_TRUE(live_->apply({.add = {{0.25, 0.5, 0}}}));
+  live_.reset();
+  ASSERT_TRUE(update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}));
+  const auto lost = LiveResult::open(folder_, {});
+  ASSERT_FALSE(lost);
+  EXPECT_NE(lost.error().where.find("000001.log: this log has changes of an older version"), std::string::npos)
+      << lost.error().where;
 }
 
 TEST_F(LiveOne, IsNotOpenedTwiceNorBeyondItsMemory) {

@@ -60,9 +60,7 @@ Status remove_older(const fs::path& path, const Manifest& manifest) {
            version.digest == *manifest.digest;
     return success();
   };
-  {
-    BOOST_OUTCOME_TRYV(RecordLog::open(path, visit));
-  }
+  { BOOST_OUTCOME_TRYV(RecordLog::open(path, visit)); }
   if (!changes || made) return remove_file(path);
   return error(Errc::usage, path.string() +
                                 ": this log has changes of an older version of the result, which another program has "
@@ -76,8 +74,9 @@ Status remove_older_logs(const fs::path& out, const Manifest& manifest) {
     if (!version || *version == manifest.version) continue;
     const fs::path path = live_folder(out) / name;
     if (*version > manifest.version)
-      return error(Errc::usage, path.string() + ": this log has changes of a newer version of the result; move the log "
-                                                "away if the changes are not wanted");
+      return error(Errc::usage, path.string() +
+                                    ": this log has changes of a newer version of the result; move the log "
+                                    "away if the changes are not wanted");
     BOOST_OUTCOME_TRYV(remove_older(path, manifest));
   }
   return success();

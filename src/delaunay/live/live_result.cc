@@ -138,7 +138,7 @@ Status LiveResult::load(const std::stop_token& stop) {
     return success();
   }));
   if (source_.manifest().duplicates_xxh3 != 0) {
-    BOOST_OUTCOME_TRY(pairs, read_duplicates(source_.folder(), source_.manifest().keep));
+    BOOST_OUTCOME_TRY(pairs, read_duplicates(source_.folder(), source_.manifest()));
     duplicates_ = LiveDuplicates(pairs);
     const IdTiles vertices = IdTiles().with(entries);
     for (const DuplicatePair& pair : pairs) {
@@ -321,8 +321,7 @@ Result<LiveApplied> LiveResult::apply_logged(const ResultChange& change, bool lo
   if (log) {
     const Status written = log_->append(next_id_, change);
     if (!written) {
-      broken_ = error(written.error().code,
-                      written.error().where + "; nothing is changed any more until the result is opened again");
+      broken_ = error(written.error().code, written.error().where + "; " + until_opened_again);
       return *broken_;
     }
   }

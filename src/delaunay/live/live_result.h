@@ -70,10 +70,10 @@ class LiveResult {
   std::uint64_t log_bytes() const;
 
   // Makes the newest version the next version of the stored result, by new files of the tiles that have changed, and
-  // begins a new log. However the process ends, opening the result again brings back all batches. Batches wait meanwhile,
-  // readers do not. Errors: those of NewVersion; usage when another program has changed the result meanwhile. After an
-  // error of committing nothing can be applied any more, and opening the result again tells what is stored.
-  // Thread-safe.
+  // begins a new log. However the process ends, opening the result again brings back all batches. Batches wait
+  // meanwhile, readers do not. Errors: those of NewVersion; usage when another program has changed the result
+  // meanwhile. After an error of committing nothing can be applied any more, and opening the result again tells what is
+  // stored. Thread-safe.
   Status checkpoint();
 
   // Writes the newest version as a result of its own, to a folder that must not exist. Files of tiles that have not
@@ -101,8 +101,12 @@ class LiveResult {
                                           std::set<TileId>& changed) const;
   void note(const Planned& planned, const ResultChange& change, const LiveApplied& applied);
   void describe(Manifest& manifest, const LiveVersion& version) const;
+  std::optional<Digest> digest_with(const std::vector<TileEntry>& written) const;
+  Status begin_again();
   void forget_removed(LiveVersion::Tiles& tiles) const;
   Error refuse(const std::string& why) const;
+
+  static constexpr const char* until_opened_again = "nothing is changed any more until the result is opened again";
 
   TileSource source_;
   std::shared_ptr<const Partition> partition_;
