@@ -130,8 +130,9 @@ void run(const Arguments& args) {
       args.result, {.threads = args.threads, .memory_bytes = static_cast<std::uint64_t>(args.memory_gb * 1e9)}));
   const auto first = live->current();
   const int dimension = first->partition().dimension();
-  const Bounds bounds = live->source().manifest().bounds;
-  const std::size_t width = row_bytes(live->source().manifest().schema);
+  const Manifest manifest = live->source().manifest();
+  const Bounds bounds = manifest.bounds;
+  const std::size_t width = row_bytes(manifest.schema);
   std::printf("seed %llu, %llu points in %zu tiles, %uD: opened in %.1f s, %.0f MB, %.0f bytes a point\n",
               static_cast<unsigned long long>(args.seed), static_cast<unsigned long long>(first->vertices()),
               first->tiles().size(), dimension, seconds_since(begin), static_cast<double>(first->memory()) / 1e6,
