@@ -336,6 +336,11 @@ Result<LiveApplied> LiveResult::apply_logged(const ResultChange& change, bool lo
   return applied;
 }
 
+TileSource LiveResult::source() const {
+  const std::lock_guard lock(writer_);
+  return source_;
+}
+
 std::uint64_t LiveResult::log_bytes() const {
   const std::lock_guard lock(writer_);
   return log_->bytes();

@@ -66,7 +66,7 @@ class LiveResult {
 
   // The newest version. Thread-safe, also beside apply().
   std::shared_ptr<const LiveVersion> current() const { return current_.load(); }
-  const TileSource& source() const { return source_; }
+  TileSource source() const;  // what is stored
   std::uint64_t log_bytes() const;
 
   // Makes the newest version the next version of the stored result, by new files of the tiles that have changed, and

@@ -28,6 +28,8 @@ class LiveTile {
   CellRecord row(Row r) const { return triangulation_->kernel().row(r); }
   bool has_own(const CellRecord& cell) const;
   bool infinite(const CellRecord& cell) const;
+  // A finite cell with an own vertex, near p if p is among the own points.
+  Row near(const Point& p) const;
   // Walks to the cell of the tile's triangulation that contains p, or to an infinite cell that sees p. Cells without an
   // own vertex may be no cells of the whole triangulation.
   Row find(const Point& p) const;
@@ -39,7 +41,6 @@ class LiveTile {
 
  private:
   int corners() const { return dimension_ + 1; }
-  Row near(const Point& p) const;
   void sample();
 
   std::unique_ptr<const TileTriangulation> triangulation_;

@@ -90,26 +90,34 @@ LiveVersion::Place LiveVersion::step(const Place& from, const CellRecord& cell, 
   return {&other, same.neighbors[at] >> 2};
 }
 
+// A cell of the star of the vertex of `cell` that is nearest to p, in the tile of its owner. A foreign vertex may have
+// been removed while the tile slept. If all were, a cell of the tile itself.
+LiveVersion::Place LiveVersion::true_cell_near(const LiveTile& tile, const CellRecord& cell, const Point& p) const {
+  std::optional<std::pair<const LiveTile*, Vertex>> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < corners_; ++i) {
+    if (cell.vertices[i] == infinite_vertex) continue;
+    const Point q = tile.triangulation().kernel().point(cell.vertices[i]);
+    const double x = q.x - p.x, y = q.y - p.y, z = q.z - p.z, squared = x * x + y * y + z * z;
+    if (best && !(squared < least)) continue;
+    const auto& owner = tiles_[tile.triangulation().owner(cell.vertices[i]).value];
+    const Vertex v = owner ? owner->triangulation().vertex_of(tile.triangulation().ids()[cell.vertices[i]]) : 0;
+    if (v == 0) continue;
+    best = {owner.get(), v};
+    least = squared;
+  }
+  if (!best) return {&tile, tile.near(p)};
+  return {best->first, best->first->find(best->first->triangulation().kernel().point(best->second))};
+}
+
 // The first walk is in the triangulation of one tile. If it ends in a cell that the tile cannot vouch for, a second
-// walk goes through cells of the whole triangulation alone, from the star of the nearest vertex of that cell.
+// walk goes through cells of the whole triangulation alone.
 std::optional<LiveCell> LiveVersion::locate(const Point& p) const {
   const LiveTile& tile = tile_near(p);
   Place place{&tile, tile.find(p)};
   CellRecord cell = tile.row(place.row);
   if (!tile.has_own(cell)) {
-    Vertex best = infinite_vertex;
-    double least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < corners_; ++i) {
-      if (cell.vertices[i] == infinite_vertex) continue;
-      const Point q = tile.triangulation().kernel().point(cell.vertices[i]);
-      const double x = q.x - p.x, y = q.y - p.y, z = q.z - p.z, squared = x * x + y * y + z * z;
-      if (best != infinite_vertex && !(squared < least)) continue;
-      best = cell.vertices[i];
-      least = squared;
-    }
-    const LiveTile& other = *tiles_[tile.triangulation().owner(best).value];
-    const Vertex v = other.triangulation().vertex_of(tile.triangulation().ids()[best]);
-    place = {&other, other.find(other.triangulation().kernel().point(v))};
+    place = true_cell_near(tile, cell, p);
     std::uint32_t random = 0x9e3779b9;
     for (;;) {
       cell = place.tile->row(place.row);

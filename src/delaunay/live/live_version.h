@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "src/base/point.h"
@@ -52,6 +53,7 @@ class LiveVersion {
   LiveCell cell(const Place& place) const;
   std::optional<std::pair<const LiveTile*, Vertex>> vertex(PointId id) const;
   const LiveTile& tile_near(const Point& p) const;
+  Place true_cell_near(const LiveTile& tile, const CellRecord& cell, const Point& p) const;
   Place step(const Place& from, const CellRecord& cell, int facet) const;
   Place in_other_tile(const LiveTile& tile, Vertex v, const std::array<PointId, 4>& ids) const;
   std::array<PointId, 4> ids_of(const LiveTile& tile, const CellRecord& cell) const;
