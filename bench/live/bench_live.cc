@@ -7,8 +7,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <mutex>
 #include <random>
 #include <string>
 #include <thread>
@@ -45,7 +47,14 @@ T value(Result<T> result) {
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-// Points around a vertex, where some twice as many are already.
+// The time that the processor has given to this thread, which others who work at once do not lengthen.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// Points around a vertex, where some twice as many are already, inside the bounds.
 std::vector<Point> nearby(const std::vector<Point>& points, const Bounds& bounds, int dimension, std::size_t count,
                           Rng& rng) {
   const Point center = points[rng() % points.size()];
@@ -54,18 +63,25 @@ std::vector<Point> nearby(const std::vector<Point>& points, const Bounds& bounds
   std::vector<Point> out(count);
   for (Point& p : out) {
     p = center;
-    for (int i = 0; i < dimension; ++i) p[i] += place(rng) * share * (bounds.hi[i] - bounds.lo[i]);
+    for (int i = 0; i < dimension; ++i) {
+      p[i] = std::clamp(p[i] + place(rng) * share * (bounds.hi[i] - bounds.lo[i]), bounds.lo[i], bounds.hi[i]);
+    }
   }
   return out;
 }
 
-// Locates points all over the bounds until `done`; returns how many a second.
-double locate(const LiveResult& live, const Bounds& bounds, int dimension, const std::atomic<bool>& done,
-              std::uint64_t seed) {
+struct Rate {
+  double points = 0, cpu_points = 0;  // a second, and a second of the processor's time
+};
+
+// Locates points all over the bounds until `done`.
+Rate locate(const LiveResult& live, const Bounds& bounds, int dimension, const std::atomic<bool>& done,
+            std::uint64_t seed) {
   Rng rng(seed);
   std::uniform_real_distribution<double> place(0, 1);
   std::uint64_t count = 0, inside = 0;
   const auto begin = Clock::now();
+  const double cpu = cpu_seconds();
   while (!done) {
     const auto version = live.current();
     for (int k = 0; k < 16; ++k, ++count) {
@@ -74,7 +90,8 @@ double locate(const LiveResult& live, const Bounds& bounds, int dimension, const
       inside += version->locate(p) ? 1 : 0;
     }
   }
-  const double rate = static_cast<double>(count) / seconds_since(begin);
+  const auto all = static_cast<double>(count);
+  const Rate rate{all / seconds_since(begin), all / (cpu_seconds() - cpu)};
   if (inside == 0) std::cerr << "bench_live: no point was inside\n";
   return rate;
 }
@@ -151,24 +168,33 @@ void run(const Arguments& args) {
 
   const auto readers = [&](const auto& meanwhile) {
     std::atomic<bool> done{false};
-    std::atomic<double> rate{0};
+    std::mutex mutex;
+    Rate rate;
     {
       std::vector<std::jthread> threads;
       for (unsigned t = 0; t < args.readers; ++t) {
-        threads.emplace_back([&, t] { rate += locate(*live, bounds, dimension, done, args.seed + t); });
+        threads.emplace_back([&, t] {
+          const Rate one = locate(*live, bounds, dimension, done, args.seed + t);
+          const std::lock_guard lock(mutex);
+          rate.points += one.points;
+          rate.cpu_points += one.cpu_points;
+        });
       }
       meanwhile();
       done = true;
     }
-    return rate.load();
+    return rate;
   };
   print("writes alone", write(*live, alone, width, 0, args.removed), all);
-  const double read_alone = readers([] { std::this_thread::sleep_for(std::chrono::seconds(3)); });
-  std::printf("reads alone: %.0f points located/s, %u threads\n", read_alone, args.readers);
+  const Rate read_alone = readers([] { std::this_thread::sleep_for(std::chrono::seconds(3)); });
+  std::printf("reads alone: %.0f points located/s, %.0f a second of processor time, %u threads\n", read_alone.points,
+              read_alone.cpu_points, args.readers);
   Written written;
-  const double read_beside = readers([&] { written = write(*live, beside, width, args.pace, args.removed); });
+  const Rate read_beside = readers([&] { written = write(*live, beside, width, args.pace, args.removed); });
   print("writes beside reads", written, all);
-  std::printf("reads beside writes: %.0f points located/s, %.2f of alone\n", read_beside, read_beside / read_alone);
+  std::printf("reads beside writes: %.0f points located/s, %.2f of alone; %.2f of alone by processor time\n",
+              read_beside.points, read_beside.points / read_alone.points,
+              read_beside.cpu_points / read_alone.cpu_points);
   std::printf("log: %.1f MB; now %.0f MB in memory\n", static_cast<double>(live->log_bytes()) / 1e6,
               static_cast<double>(live->current()->memory()) / 1e6);
   if (args.cgal) {
