@@ -357,9 +357,12 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
                 f"in {len(self)} {'tile' if len(self) == 1 else 'tiles'}, {self.folder}>")
 
 
-def open(folder: Path) -> Triangulation:
+def open(folder: Path, version: int | None = None) -> Triangulation:
     """Opens the triangulation in a result folder, from triangulate(folder=...) or the command `tessera triangulate`.
 
-    Raises IoError if there is no result, and CorruptError if the result is damaged.
+    `version` is the number of an older version of the result, as `tessera log` lists them; default: the newest. Raises
+    IoError if there is no result, CorruptError if the result is damaged, and UsageError if the version is not kept.
     """
-    return Triangulation(_tessera.Triangulation.open(os.fspath(folder)))
+    if version is None:
+        return Triangulation(_tessera.Triangulation.open(os.fspath(folder)))
+    return Triangulation(_tessera.Triangulation.open(os.fspath(folder), version))

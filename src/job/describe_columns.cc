@@ -10,6 +10,7 @@
 #include "src/base/json/json_text.h"
 #include "src/base/printable.h"
 #include "src/job/describe.h"
+#include "src/result/tile_source.h"
 
 namespace tessera {
 
@@ -77,7 +78,8 @@ std::string columns_in_words(const Json& columns) {
 }
 
 Result<std::string> describe_columns(const std::string& folder, bool json) {
-  BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
+  BOOST_OUTCOME_TRY(source, TileSource::open(folder));
+  const Manifest& manifest = source.manifest();
   if (json) {
     const Json object{{"result", folder}, {"version", manifest.version}, {"columns", columns_to_json(manifest)}};
     return json_text(object) + "\n";

@@ -6,6 +6,7 @@
 #include "src/job/describe_columns.h"
 #include "src/job/description.h"
 #include "src/result/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace tessera {
 namespace {
@@ -70,8 +71,8 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
 }  // namespace
 
 Result<std::string> describe_result(const std::string& folder, bool json, bool counters) {
-  BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
-  return written(to_json(folder, manifest), json, counters);
+  BOOST_OUTCOME_TRY(source, TileSource::open(folder));
+  return written(to_json(folder, source.manifest()), json, counters);
 }
 
 }  // namespace tessera

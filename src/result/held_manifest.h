@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
@@ -21,5 +22,10 @@ struct HeldManifest {
 
 // Holds the newest version. Errors: those of read_manifest(); io when writers replace the manifest again and again.
 Result<HeldManifest> hold_manifest(const std::filesystem::path& out);
+// Holds the version with this number. Error usage, with the versions that can be read, when this one cannot.
+Result<HeldManifest> hold_version(const std::filesystem::path& out, std::uint32_t version);
+
+// The numbers of the versions whose manifests exist, in ascending order. `newest`: the number of the current version.
+Result<std::vector<std::uint32_t>> readable_versions(const std::filesystem::path& out, std::uint32_t newest);
 
 }  // namespace tessera::result

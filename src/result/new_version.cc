@@ -6,9 +6,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <map>
 #include <set>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "src/base/files/checksum.h"
@@ -19,6 +20,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/result/old_versions.h"
+#include "src/result/store/duplicates.h"
 #include "src/result/store/manifest.h"
 #include "src/result/store/packed_array.h"
 #include "src/result/store/vtk_xml.h"
@@ -43,28 +45,47 @@ Result<std::optional<Unread>> lock_if_unread(const result::OldVersion& old) {
   return std::optional(Unread{old.file, std::move(file)});
 }
 
-Result<std::set<fs::path>> tile_names_of(const result::OldVersion& old) {
+Result<Manifest> manifest_of(const result::OldVersion& old) {
   BOOST_OUTCOME_TRY(bytes, read_whole(old.file));
-  BOOST_OUTCOME_TRY(manifest, parse_manifest(old.file, bytes));
-  return result::tile_names(manifest);
+  return parse_manifest(old.file, bytes);
 }
 
-bool is_tile_of_result(const fs::path& name) {
-  return version_of_tile_file(name) || (is_tile_name(name) && kind_of_tile_file(name));
+// With the list of duplicates, and relative to the result.
+std::set<fs::path> file_names(const Manifest& manifest) {
+  std::set<fs::path> names;
+  for (const TileEntry& entry : manifest.tiles) names.insert(tile_file("", entry));
+  if (manifest.duplicates_xxh3 != 0) names.insert(duplicates_of("", manifest));
+  return names;
+}
+
+bool is_of_tile(const fs::path& name) {
+  return version_of_tile_file(name) || (is_tile_name(name) && (kind_of_tile_file(name) || is_temporary_name(name)));
+}
+
+// A file without its temporary ending.
+bool is_of_duplicates(const fs::path& name) {
+  return is_duplicates_name(name) || (is_temporary_name(name) && is_duplicates_name(name.stem()));
+}
+
+std::int64_t now_in_seconds() {
+  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
 
-Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const LockOptions& options) {
+Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const VersionOptions& options) {
+  if (named_version(out))
+    return error(Errc::usage, out.string() + ": is a version of a result; only the newest version can be changed");
   BOOST_OUTCOME_TRY(there, is_there(manifest_file(out)));
   if (!there) return no_manifest(out);
-  BOOST_OUTCOME_TRY(lock, FolderLock::take(out, options));
+  BOOST_OUTCOME_TRY(lock, FolderLock::take(out, options.lock));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   if (source.manifest().format_version < unchanged_format)
     return error(Errc::usage, out.string() + ": is of format version " +
                                   std::to_string(source.manifest().format_version) +
                                   ", which is read and not changed; triangulate again");
   std::unique_ptr<NewVersion> made(new NewVersion(std::move(lock), std::move(source)));
+  BOOST_OUTCOME_TRYV(made->read_log(options.keep));
   BOOST_OUTCOME_TRYV(made->mend_master());
   BOOST_OUTCOME_TRYV(made->remove_unneeded());
   BOOST_OUTCOME_TRYV(make_directories(versions_folder(out)));
@@ -90,35 +111,40 @@ Status NewVersion::mend_master() const {
   return write_whole(path, store::master_text(manifest));
 }
 
+// The first change of a result makes an entry of the version before, too.
+Status NewVersion::read_log(std::optional<std::uint32_t> keep) {
+  const fs::path& out = source_.folder();
+  BOOST_OUTCOME_TRY(log, read_version_log(out, source_.manifest().version));
+  log_ = std::move(log);
+  if (keep) log_.keep = std::max(*keep, 1u);
+  if (!log_.versions.empty() && log_.versions.back().version == source_.manifest().version) return success();
+  BOOST_OUTCOME_TRY(status, look_at(manifest_file(out)));
+  append(log_, entry_of(source_.manifest(), status ? static_cast<std::int64_t>(status->st_mtim.tv_sec) : 0));
+  return success();
+}
+
 Status NewVersion::remove_unneeded() const {
   const fs::path& out = source_.folder();
-  std::set<fs::path> needed = result::tile_names(source_.manifest());
+  const std::uint32_t current = source_.manifest().version;
+  std::set<fs::path> needed = file_names(source_.manifest());
   std::vector<Unread> unread;
   BOOST_OUTCOME_TRY(olds, result::old_versions(out));
   for (const auto& old : olds) {
-    if (old.version >= source_.manifest().version) {  // left by a writer that was ended
+    if (old.version >= current) {  // left by a writer that was ended
       BOOST_OUTCOME_TRYV(remove_file(old.file));
       continue;
     }
-    BOOST_OUTCOME_TRY(locked, lock_if_unread(old));
-    if (locked) {
-      unread.push_back(std::move(*locked));
-      continue;
-    }
-    BOOST_OUTCOME_TRY(names, tile_names_of(old));
-    needed.merge(names);
-  }
-  const auto folder = tiles_folder(out);
-  BOOST_OUTCOME_TRY(with_tiles, is_folder(folder));
-  if (with_tiles) {
-    BOOST_OUTCOME_TRY(names, sorted_names(folder));
-    for (const std::string& name : names) {
-      if (needed.contains(name) || !(is_tile_of_result(name) || (is_tile_name(name) && is_temporary_name(name))))
+    if (current - old.version >= log_.keep) {
+      BOOST_OUTCOME_TRY(locked, lock_if_unread(old));
+      if (locked) {
+        unread.push_back(std::move(*locked));
         continue;
-      BOOST_OUTCOME_TRYV(lock_.heard());
-      BOOST_OUTCOME_TRYV(remove_file(folder / name));
+      }
     }
+    BOOST_OUTCOME_TRY(manifest, manifest_of(old));
+    needed.merge(file_names(manifest));
   }
+  BOOST_OUTCOME_TRYV(remove_unless(needed));
   for (const auto& old : unread) {
     BOOST_OUTCOME_TRYV(remove_file(old.file));
   }
@@ -129,6 +155,30 @@ Status NewVersion::remove_unneeded() const {
   for (const std::string& name : names) {
     if (!is_temporary_name(name)) continue;
     BOOST_OUTCOME_TRYV(remove_file(versions / name));
+  }
+  return success();
+}
+
+// Removes files of tiles and of duplicates that no version needs.
+Status NewVersion::remove_unless(const std::set<fs::path>& needed) const {
+  const fs::path& out = source_.folder();
+  const auto folder = tiles_folder(out);
+  BOOST_OUTCOME_TRY(with_tiles, is_folder(folder));
+  std::vector<fs::path> files;
+  if (with_tiles) {
+    BOOST_OUTCOME_TRY(names, sorted_names(folder));
+    for (const std::string& name : names) {
+      if (is_of_tile(name)) files.push_back(tiles_folder("") / name);
+    }
+  }
+  BOOST_OUTCOME_TRY(names, sorted_names(out));
+  for (const std::string& name : names) {
+    if (is_of_duplicates(name)) files.emplace_back(name);
+  }
+  for (const fs::path& file : files) {
+    if (needed.contains(file)) continue;
+    BOOST_OUTCOME_TRYV(lock_.heard());
+    BOOST_OUTCOME_TRYV(remove_file(out / file));
   }
   return success();
 }
@@ -174,6 +224,12 @@ Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnV
 
 Status NewVersion::replace_tile(std::size_t index, TileEntry entry, const fs::path& file) {
   entry.tile = source_.entry(index).tile;
+  return publish_tile(std::move(entry), file);
+}
+
+Status NewVersion::add_tile(TileEntry entry, const fs::path& file) { return publish_tile(std::move(entry), file); }
+
+Status NewVersion::publish_tile(TileEntry entry, const fs::path& file) {
   entry.version = number();
   const auto final_name = tile_file(source_.folder(), entry);
   BOOST_OUTCOME_TRYV(lock_.heard());
@@ -181,6 +237,46 @@ Status NewVersion::replace_tile(std::size_t index, TileEntry entry, const fs::pa
   const std::lock_guard lock(mutex_);
   files_.emplace_back(final_name);
   written_.push_back(std::move(entry));
+  return success();
+}
+
+void NewVersion::remove_tile(std::size_t index) {
+  const std::lock_guard lock(mutex_);
+  removed_.insert(source_.entry(index).tile);
+}
+
+// An equal list may exist already, as that of an older version.
+Status NewVersion::replace_duplicates(std::span<const DuplicatePair> pairs) {
+  next_.format_version = updated_format;
+  next_.duplicates = pairs.size();
+  next_.duplicates_xxh3 = 0;
+  duplicates_replaced_ = true;
+  if (pairs.empty()) return success();
+  TemporaryFile temporary(temporary_name_of_process(duplicates_file(source_.folder())));
+  BOOST_OUTCOME_TRY(written, store::write_pairs(temporary.path(), duplicates_file(source_.folder()), pairs));
+  next_.duplicates_xxh3 = written.xxh3;
+  const auto final_name = duplicates_of(source_.folder(), next_);
+  BOOST_OUTCOME_TRY(there, is_there(final_name));
+  if (there) return success();
+  BOOST_OUTCOME_TRYV(lock_.heard());
+  BOOST_OUTCOME_TRYV(rename_file(temporary.path(), final_name));
+  temporary.keep();
+  files_.emplace_back(final_name);
+  return success();
+}
+
+// The list of an older format has another name.
+Status NewVersion::bring_duplicates() {
+  if (duplicates_replaced_ || next_.duplicates_xxh3 == 0) return success();
+  const fs::path& out = source_.folder();
+  const auto from = duplicates_of(out, source_.manifest()), to = duplicates_of(out, next_);
+  BOOST_OUTCOME_TRY(there, is_there(to));
+  if (there) return success();
+  if (::link(from.c_str(), to.c_str()) != 0) {
+    BOOST_OUTCOME_TRY(bytes, read_whole(from));
+    BOOST_OUTCOME_TRYV(write_whole(to, bytes));
+  }
+  files_.emplace_back(to);
   return success();
 }
 
@@ -201,35 +297,72 @@ Status NewVersion::keep_old_manifest() const {
   return sync_folder(out);
 }
 
-Status NewVersion::commit(std::vector<ResultColumn> columns) {
-  const fs::path& out = source_.folder();
-  Manifest next = source_.manifest();
-  if (!columns.empty() && written_.size() != next.tiles.size()) return error(Errc::internal, "a version lacks tiles");
-  for (const TileEntry& entry : written_) next.tiles[*source_.find(entry.tile)] = entry;
-  next.format_version = changed_format;
-  next.version = number();
-  for (auto& column : columns) {
-    column.version = next.version;
-    if (!column.of_cells) next.schema.push_back({column.name, column.type});
-    next.columns.push_back(std::move(column));
+// Sets what follows from tiles and columns.
+void NewVersion::describe(std::vector<ResultColumn> columns) {
+  std::map<TileId, TileEntry> tiles;
+  for (TileEntry& entry : next_.tiles) {
+    if (!removed_.contains(entry.tile)) tiles[entry.tile] = std::move(entry);
   }
-  next.previous_master_xxh3 = next.master_xxh3;
-  const std::string master = store::master_text(next);
-  next.master_xxh3 = checksum(std::as_bytes(std::span(master)));
+  for (const TileEntry& entry : written_) tiles[entry.tile] = entry;
+  next_.tiles.clear();
+  next_.vertices = next_.cells = 0;
+  for (auto& [tile, entry] : tiles) {
+    next_.vertices += entry.own_points;
+    next_.cells += entry.main_cells;
+    next_.tiles.push_back(std::move(entry));
+  }
+  next_.digest = sum_of_digests(next_.tiles);
+  next_.format_version = std::max(next_.format_version, changed_format);
+  next_.version = number();
+  for (auto& column : columns) {
+    column.version = next_.version;
+    if (!column.of_cells) next_.schema.push_back({column.name, column.type});
+    next_.columns.push_back(std::move(column));
+  }
+  next_.previous_master_xxh3 = next_.master_xxh3;
+  const std::string master = store::master_text(next_);
+  next_.master_xxh3 = checksum(std::as_bytes(std::span(master)));
+}
 
+VersionEntry NewVersion::log_entry(const VersionNote& note) const {
+  VersionEntry entry = entry_of(next_, now_in_seconds());
+  entry.added = note.added;
+  entry.removed = note.removed;
+  entry.input_files = note.inputs.size();
+  for (const auto& input : note.inputs) entry.inputs.push_back(input.path);
+  entry.command = note.command;
+  entry.software_version = note.software_version;
+  return entry;
+}
+
+// The new files, so that they are on the disk before a manifest names them.
+Status NewVersion::sync() const {
+  if (files_.empty()) return success();
   std::vector<fs::path> files;
   for (const auto& file : files_) files.push_back(file.path());
   BOOST_OUTCOME_TRYV(sync_files(files));
-  if (!files.empty()) {
-    BOOST_OUTCOME_TRYV(sync_folder(tiles_folder(out)));
+  BOOST_OUTCOME_TRYV(sync_folder(tiles_folder(source_.folder())));
+  return sync_folder(source_.folder());
+}
+
+Status NewVersion::commit(std::vector<ResultColumn> columns, const VersionNote& note) {
+  const fs::path& out = source_.folder();
+  if (!columns.empty() && written_.size() != source_.tiles()) return error(Errc::internal, "a version lacks tiles");
+  if (next_.format_version >= updated_format) {
+    BOOST_OUTCOME_TRYV(bring_duplicates());
   }
+  describe(std::move(columns));
+  append(log_, log_entry(note));
+  BOOST_OUTCOME_TRYV(sync());
   BOOST_OUTCOME_TRYV(lock_.check());
   BOOST_OUTCOME_TRYV(keep_old_manifest());
   BOOST_OUTCOME_TRYV(lock_.check());
-  for (auto& file : files_) file.keep();  // an error from here on may come too late to undo the change
-  BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(next)));
+  BOOST_OUTCOME_TRYV(write_whole(version_log_file(out), version_log_text(log_)));
   BOOST_OUTCOME_TRYV(lock_.check());
-  return write_whole(master_file(out), master);
+  for (auto& file : files_) file.keep();  // an error from here on may come too late to undo the change
+  BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(next_)));
+  BOOST_OUTCOME_TRYV(lock_.check());
+  return write_whole(master_file(out), store::master_text(next_));
 }
 
 }  // namespace tessera

@@ -2,12 +2,12 @@
 // whatever cause, either the old version or the new one is left.
 //
 //   begin  | takes the folder's lock; replaces the master file if the last writer was ended before it did; removes what
-//          | ended writers have left, and files that only versions without a reader need
+//          | ended writers have left, and files that only versions need that are neither kept nor read
 //   room   | is checked, so that a disk that is too small is reported before hours of work
-//   tiles  | are new files, tiles/NNNNNN-V.vtu or .pts, which no manifest names yet
+//   tiles  | are new files, tiles/NNNNNN-V.vtu or .pts, which no manifest names yet; likewise new duplicates
 //   commit | syncs the new files; gives the manifest of the old version a second name, .versions/NNNNNN.json; replaces
-//          | manifest.json, and from then on the result is the new version; then replaces the master file, which
-//          | follows from the manifest
+//          | the log of versions; replaces manifest.json, and from then on the result is the new version; then replaces
+//          | the master file, which follows from the manifest
 //
 // A reader holds a lock on the manifest that it has read (held_manifest.h). A writer that can lock an old manifest for
 // itself knows that no reader uses that version. Only the next writer removes files. So programs that do not know the
@@ -20,8 +20,11 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <stop_token>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "src/base/files/folder_lock.h"
@@ -30,15 +33,31 @@
 #include "src/result/store/tile_columns.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/tile_source.h"
+#include "src/result/version_log.h"
 
 namespace tessera {
+
+struct VersionOptions {
+  LockOptions lock = {};
+  // How many of the newest versions stay readable, from now on; at least 1. Nothing: as many as before.
+  std::optional<std::uint32_t> keep = {};
+};
+
+// What a version says of itself in the log.
+struct VersionNote {
+  std::uint64_t added = 0, removed = 0;  // points
+  std::vector<Manifest::Input> inputs = {};
+  std::vector<std::string> command = {};
+  std::string software_version = {};
+};
 
 class NewVersion {
  public:
   // Begins a change, and takes the folder's lock. Errors: those of TileSource::open(); usage when another process works
-  // in the folder, or when the result has format 2; corrupt when the manifest of an older version, which a reader still
-  // uses, is damaged; io.
-  static Result<std::unique_ptr<NewVersion>> begin(const std::filesystem::path& out, const LockOptions& lock = {});
+  // in the folder, when the result has format 2, or when the path names an older version; corrupt when the manifest of
+  // an older version, which a reader still uses, or the log is damaged; io.
+  static Result<std::unique_ptr<NewVersion>> begin(const std::filesystem::path& out,
+                                                   const VersionOptions& options = {});
   // Removes everything that was written, unless commit() was called.
   ~NewVersion();
   NewVersion(const NewVersion&) = delete;
@@ -61,22 +80,43 @@ class NewVersion {
   // Moves `file` into the result as the file of this tile; `entry` describes the file. Safe to call from several
   // threads for different tiles. Error io.
   Status replace_tile(std::size_t index, TileEntry entry, const std::filesystem::path& file);
+  // The same for a tile that has no file yet. REQUIRES: the tile is none of the source.
+  Status add_tile(TileEntry entry, const std::filesystem::path& file);
+  // The new version does not have this tile.
+  void remove_tile(std::size_t index);
+  // The duplicates of the new version, ascending. Without a call they stay as they are. Error io.
+  Status replace_duplicates(std::span<const DuplicatePair> pairs);
+  // The manifest of the new version. Callers that change points set its bounds, inputs and numbers of points; they may
+  // change the entries of tiles that stay. commit() sets all that follows from tiles, columns and duplicates.
+  Manifest& manifest() { return next_; }
   // Makes the new version the current one. `columns` describes the columns that add_columns() has added. Tiles that
   // were neither extended nor replaced stay as they are. REQUIRES: if there are columns, add_columns() was called for
   // every tile. Error io: the result may then be at either version.
-  Status commit(std::vector<ResultColumn> columns);
+  Status commit(std::vector<ResultColumn> columns, const VersionNote& note = {});
 
  private:
-  NewVersion(FolderLock lock, TileSource source) : lock_(std::move(lock)), source_(std::move(source)) {}
+  NewVersion(FolderLock lock, TileSource source)
+      : lock_(std::move(lock)), source_(std::move(source)), next_(source_.manifest()) {}
   Status mend_master() const;
   Status remove_unneeded() const;
+  Status remove_unless(const std::set<std::filesystem::path>& needed) const;
+  Status read_log(std::optional<std::uint32_t> keep);
+  Status publish_tile(TileEntry entry, const std::filesystem::path& file);
+  Status bring_duplicates();
+  void describe(std::vector<ResultColumn> columns);
+  VersionEntry log_entry(const VersionNote& note) const;
+  Status sync() const;
   Status keep_old_manifest() const;
 
   FolderLock lock_;
   TileSource source_;
+  Manifest next_;
+  VersionLog log_;
   std::optional<TemporaryFolder> scratch_;
   std::mutex mutex_;
   std::vector<TileEntry> written_;
+  std::set<TileId> removed_;
+  bool duplicates_replaced_ = false;
   std::vector<TemporaryFile> files_;
 };
 

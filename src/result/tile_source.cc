@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "src/base/files/names.h"
 #include "src/base/files/there.h"
 #include "src/geometry/kernel/kernel.h"
 #include "src/geometry/mesh/tile_mesh.h"
@@ -50,8 +51,10 @@ std::string difference(const Manifest& manifest, const TileEntry& entry, const S
 }  // namespace
 
 Result<TileSource> TileSource::open(const fs::path& out) {
-  BOOST_OUTCOME_TRY(held, result::hold_manifest(out));
-  return TileSource(std::make_shared<const Inside>(Inside{out, std::move(held.manifest), std::move(held.file)}));
+  const auto named = named_version(out);
+  const fs::path folder = named ? named->out : out;
+  BOOST_OUTCOME_TRY(held, named ? result::hold_version(folder, named->version) : result::hold_manifest(folder));
+  return TileSource(std::make_shared<const Inside>(Inside{folder, std::move(held.manifest), std::move(held.file)}));
 }
 
 std::optional<std::size_t> TileSource::find(TileId tile) const {

@@ -22,7 +22,8 @@ namespace tessera {
 // threads. While a copy exists, no writer removes the files of this version.
 class TileSource {
  public:
-  // Opens the newest version. Reads only the manifest. Errors: those of read_manifest().
+  // Opens the newest version, or the one that the path names (named_version()). Reads only the manifest. Errors: those
+  // of read_manifest(); usage, with the versions that can be read, when the named one cannot.
   static Result<TileSource> open(const std::filesystem::path& out);
 
   // Returns a copy that can be stopped: after `stop` is requested, read() of a tile whose cells must be rebuilt soon

@@ -1,10 +1,12 @@
 """A command that is killed before any of its steps on the disk: the same command goes on from there, or starts again."""
 import hashlib
+import json
 import os
 import shutil
 import signal
 import unittest
 
+import numpy as np
 from cli import CliTest
 
 
@@ -98,7 +100,8 @@ class Materialise(CliTest):
         shutil.copytree(self.folder / "base", self.out)
 
     def contents(self):
-        return {str(p.relative_to(self.out)): p.is_dir() or hashlib.sha256(p.read_bytes()).hexdigest() for p in self.out.rglob("*")}
+        return {str(p.relative_to(self.out)): p.is_dir() or hashlib.sha256(p.read_bytes()).hexdigest()
+                for p in self.out.rglob("*") if p.name != "log.json"}  # which has the time
 
     def test_of_each_write_rename_and_sync(self):
         self.ok("triangulate", self.xyz(n=60), "-o", "base", "--tiles", "2", "--threads", "1", "--store", "points", "--quiet")
@@ -123,6 +126,61 @@ class Materialise(CliTest):
                 self.ok("verify", "out", "--quiet")
                 self.assertEqual(self.contents(), expected)
         self.assertEqual(kinds, {True, False})
+        self.assertGreater(step, 40)
+
+
+class UpdateSteps(CliTest):
+    """Kills a change of points in the result itself at every call that writes: the old version is left, or the new one."""
+
+    def manifest(self, result="out"):
+        return json.loads((self.folder / result / "manifest.json").read_text())
+
+    def save(self, name, points):
+        np.save(self.folder / name, points)
+        return name
+
+    def contents(self):
+        return {str(p.relative_to(self.out)): p.is_dir() or hashlib.sha256(p.read_bytes()).hexdigest()
+                for p in self.out.rglob("*") if p.name != "log.json"}  # which has the time
+
+    def test_of_each_write_rename_and_sync(self):
+        grid = np.array([[x, y] for x in range(8) for y in range(8)], float)
+        points = np.concatenate([grid, grid[:5]])  # with duplicates
+        self.ok("triangulate", self.save("points.npy", points), "-o", "base", "--dim", "2", "--tiles", "4", "--threads", "1", "--quiet")
+        base = self.folder / "base"
+
+        def begin():
+            shutil.rmtree(self.out, ignore_errors=True)
+            shutil.copytree(base, self.out)
+
+        # Changes duplicates, empties a tile, and adds points.
+        gone = [0, 64, *[8 * x + y for x in range(4, 8) for y in range(4, 8)]]
+        arguments = ("update", "out", "--remove-ids", self.save("gone.npy", np.array(gone)), "--add", self.save("more.npy", grid[:3] + 0.5), "--threads", "1", "--quiet")
+        begin()
+        self.ok(*arguments)
+        old, new = self.manifest("base")["digest2"], self.manifest()["digest2"]
+        expected = self.contents()
+        seen, step = set(), 0
+        while True:
+            step += 1
+            begin()
+            done = self.run_tessera(*arguments, env={"LD_PRELOAD": os.environ["KILL_AT_CALL"], "KILL_AT": str(step), "KILL_AT_WRITES": "1"})
+            if done.returncode == 0:
+                break
+            self.assertEqual(done.returncode, -signal.SIGKILL, done.stderr)
+            with self.subTest(step=step):
+                self.ok("verify", "out", "--quiet")
+                manifest = self.manifest()
+                self.assertEqual(manifest["digest2"], {1: old, 2: new}[manifest.get("version", 1)])
+                self.assertEqual([v["version"] for v in json.loads(self.ok("log", "out", "--json"))["versions"]], list(range(1, manifest.get("version", 1) + 1)))
+                seen.add(manifest.get("version", 1))
+                if manifest.get("version", 1) == 1:
+                    self.ok(*arguments)
+                    self.assertEqual(self.contents(), expected)
+                else:
+                    self.ok("update", "out", "--remove-ids", self.save("one.npy", np.array([20])), "--quiet")
+                    self.ok("verify", "out", "--quiet")
+        self.assertEqual(seen, {1, 2})
         self.assertGreater(step, 40)
 
 

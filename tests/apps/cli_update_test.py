@@ -125,7 +125,6 @@ class Update(CliTest):
             with self.subTest(args=args):
                 self.refused(status, "update", "out", *args, "-o", "next", says=sentence)
                 self.assertFalse((self.folder / "next").exists())
-        self.refused(USAGE, "update", "out", "--remove-ids", ids, says="-o FOLDER")
         self.refused(USAGE, "update", "out", "--remove-box", "0,0,0.1,0.1", "-o", "out", says="exists already")
         self.refused(USAGE, "update", "-o", "next", "--remove-ids", ids, says="no result folder is given")
 

@@ -164,7 +164,7 @@ Expected expected_of(std::vector<LocalPoint> points, int dimension) {
 std::string wrong_with(const EngineRun& run, const std::filesystem::path& out, const Expected& expected) {
   if (auto wrong = wrong_counts(run, expected); !wrong.empty()) return wrong;
   if (!expected.duplicates.empty()) {
-    const auto duplicates = read_duplicates(out, DuplicatePolicy::first);
+    const auto duplicates = read_duplicates(out, Manifest{});
     if (!duplicates) return duplicates.error().where;
     if (duplicates.value() != expected.duplicates) return "other duplicates are listed";
   } else if (std::filesystem::exists(out / "duplicates.bin")) {

@@ -199,7 +199,7 @@ TEST(Measure, TwiceFindsTheColumnsThereAndGivesTheRoomBack) {
   EXPECT_FALSE(second.made);
   EXPECT_EQ(second.total, first.total);
   EXPECT_EQ(second.version, 2u);
-  EXPECT_FALSE(fs::exists(out / ".versions"));
+  EXPECT_FALSE(fs::exists(out / ".versions" / "000001.json"));
   EXPECT_FALSE(fs::exists(out / "tiles" / "000000.vtu"));
   EXPECT_TRUE(fs::exists(out / "tiles" / "000000-2.vtu"));
 }

@@ -19,6 +19,7 @@
 #include "src/result/store/manifest.h"
 #include "src/result/store/points_file.h"
 #include "src/result/verify/verify.h"
+#include "src/result/version_log.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {
@@ -44,7 +45,7 @@ class Versions : public testing::Test {
 
   // Of one value everywhere, of cells and of vertices.
   void add(const std::string& name, std::uint32_t value) {
-    const auto next = NewVersion::begin(out_);
+    const auto next = NewVersion::begin(out_, {.lock = {}, .keep = keep_});
     ASSERT_TRUE(next) << next.error().where;
     NewVersion& version = *next.value();
     for (std::size_t i = 0; i < version.source().tiles(); ++i) {
@@ -94,6 +95,7 @@ class Versions : public testing::Test {
   const std::vector<TileMesh> meshes_ = sample_tiles(sample_points(Shape::uniform, 3, 300), 3, 2);
   const TemporaryFolder folder_;
   const fs::path out_ = folder_.path() / "out";
+  std::optional<std::uint32_t> keep_;
 };
 
 TEST_F(Versions, AReaderKeepsItsVersionWhileTwoMoreAreWritten) {
@@ -136,13 +138,13 @@ TEST_F(Versions, AReaderInAnotherProcessKeepsItsVersion) {
 
 TEST_F(Versions, WhatNobodyReadsGoesWithTheNextWriterAndNotBefore) {
   add("a", 100);
-  EXPECT_EQ(files(),
-            (std::set<std::string>{".versions/000001.json", "manifest.json", "tiles/000000-2.vtu", "tiles/000000.vtu",
-                                   "tiles/000001-2.vtu", "tiles/000001.vtu", "triangulation.pvtu"}));
+  EXPECT_EQ(files(), (std::set<std::string>{".versions/000001.json", ".versions/log.json", "manifest.json",
+                                            "tiles/000000-2.vtu", "tiles/000000.vtu", "tiles/000001-2.vtu",
+                                            "tiles/000001.vtu", "triangulation.pvtu"}));
   add("b", 200);
-  EXPECT_EQ(files(),
-            (std::set<std::string>{".versions/000002.json", "manifest.json", "tiles/000000-2.vtu", "tiles/000000-3.vtu",
-                                   "tiles/000001-2.vtu", "tiles/000001-3.vtu", "triangulation.pvtu"}));
+  EXPECT_EQ(files(), (std::set<std::string>{".versions/000002.json", ".versions/log.json", "manifest.json",
+                                            "tiles/000000-2.vtu", "tiles/000000-3.vtu", "tiles/000001-2.vtu",
+                                            "tiles/000001-3.vtu", "triangulation.pvtu"}));
 }
 
 TEST_F(Versions, WhatIsNotCommittedLeavesNothing) {
@@ -201,10 +203,10 @@ TEST_F(Versions, TilesThatAreKeptAsPointsGetColumnsToo) {
   EXPECT_EQ(without.rows.size(), without.mesh.points.size() * 2);
   add("a", 100);
   add("b", 200);
-  EXPECT_EQ(files(),
-            (std::set<std::string>{".versions/000001.json", ".versions/000002.json", "manifest.json",
-                                   "tiles/000000-2.pts", "tiles/000000-3.pts", "tiles/000000.pts", "tiles/000001-2.vtu",
-                                   "tiles/000001-3.vtu", "tiles/000001.vtu", "triangulation.pvtu"}));
+  EXPECT_EQ(files(), (std::set<std::string>{".versions/000001.json", ".versions/000002.json", ".versions/log.json",
+                                            "manifest.json", "tiles/000000-2.pts", "tiles/000000-3.pts",
+                                            "tiles/000000.pts", "tiles/000001-2.vtu", "tiles/000001-3.vtu",
+                                            "tiles/000001.vtu", "triangulation.pvtu"}));
   const auto tile = TileSource::open(out_).value().read(0, {.rows = true, .cell_columns = true}).value();
   EXPECT_EQ(tile.mesh.cells, without.mesh.cells);
   ASSERT_EQ(tile.cell_columns.size(), 2u);
@@ -283,6 +285,124 @@ TEST_F(Versions, WithoutSecondNamesForFilesACopyIsKeptAndNothingIsRemoved) {
   EXPECT_TRUE(files().contains("tiles/000000-2.vtu")) << "nobody can tell whether it is read";
   EXPECT_TRUE(files().contains(".versions/000001.copy.json"));
   EXPECT_EQ(verified(), "");
+}
+
+TEST_F(Versions, AsManyStayReadableAsAreToBeKept) {
+  const auto readable = [&] {
+    std::set<std::uint32_t> numbers;
+    for (std::uint32_t version = 1; version <= 8; ++version) {
+      const auto source = TileSource::open(version_file(out_, version));
+      if (!source) continue;
+      EXPECT_EQ(source.value().manifest().version, version);
+      EXPECT_EQ(source.value().folder(), out_);
+      EXPECT_EQ(wrong(source.value(), version - 1), "");
+      numbers.insert(version);
+    }
+    return numbers;
+  };
+  keep_ = 3;
+  add("a", 100);
+  add("b", 200);
+  keep_.reset();  // the result remembers it
+  add("c", 300);
+  add("d", 400);
+  EXPECT_EQ(readable(), (std::set<std::uint32_t>{2, 3, 4, 5}));
+  add("e", 500);
+  EXPECT_EQ(readable(), (std::set<std::uint32_t>{3, 4, 5, 6}));
+  EXPECT_EQ(verified(), "");
+  EXPECT_TRUE(verify(version_file(out_, 3), {}, {}));
+  const auto gone = TileSource::open(version_file(out_, 2));
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().code, Errc::usage);
+  EXPECT_EQ(gone.error().where,
+            out_.string() + ": version 2 is not kept any more; the versions 3, 4, 5 and 6 can be read");
+  const auto never = TileSource::open(version_file(out_, 7));
+  ASSERT_FALSE(never);
+  EXPECT_EQ(never.error().where, out_.string() + ": version 7 does not exist; the versions 3, 4, 5 and 6 can be read");
+  keep_ = 1;
+  add("f", 600);
+  EXPECT_EQ(readable(), (std::set<std::uint32_t>{6, 7}));
+  const auto old = NewVersion::begin(version_file(out_, 6));
+  ASSERT_FALSE(old);
+  EXPECT_EQ(old.error().code, Errc::usage);
+}
+
+TEST_F(Versions, TilesComeAndGoAndDuplicatesAreThoseOfTheVersion) {
+  const std::vector<DuplicatePair> first{{5000, 1}}, second{{5000, 1}, {5001, 2}};
+  const auto change = [&](const std::vector<DuplicatePair>& pairs, bool with_tile) {
+    const auto begun = NewVersion::begin(out_, {.lock = {}, .keep = 9});
+    ASSERT_TRUE(begun) << begun.error().where;
+    NewVersion& next = *begun.value();
+    next.manifest().points_read = 6000;
+    ASSERT_TRUE(next.replace_duplicates(pairs));
+    if (with_tile) {
+      const std::vector<std::byte> rows(meshes_[1].points.size() * 2);
+      const auto entry = write_tile(next.scratch(), TileId{1}, meshes_[1], rows, {.schema = next.manifest().schema});
+      ASSERT_TRUE(entry) << entry.error().where;
+      ASSERT_TRUE(next.add_tile(entry.value(), tile_file(next.scratch(), entry.value())));
+    } else {
+      next.remove_tile(1);
+    }
+    ASSERT_TRUE(next.commit({}, {.added = 7, .removed = 3, .inputs = {}, .command = {"tessera", "update"}}));
+  };
+  change(first, false);
+  change(second, true);
+  change({}, false);
+  const auto at = [&](std::uint32_t version) { return TileSource::open(version_file(out_, version)).value(); };
+  EXPECT_EQ(at(1).tiles(), 2u);
+  EXPECT_EQ(at(2).tiles(), 1u);
+  EXPECT_EQ(at(3).tiles(), 2u);
+  EXPECT_EQ(at(4).tiles(), 1u);
+  EXPECT_EQ(at(3).manifest().digest, at(1).manifest().digest);
+  EXPECT_EQ(at(3).manifest().cells, at(1).manifest().cells);
+  EXPECT_NE(at(2).manifest().digest, at(1).manifest().digest);
+  EXPECT_EQ(at(2).manifest().vertices, at(1).entry(0).own_points);
+  EXPECT_EQ(at(2).manifest().format_version, updated_format);
+  const auto duplicates = [&](std::uint32_t version) { return read_duplicates(out_, at(version).manifest()).value(); };
+  EXPECT_EQ(duplicates(1), std::vector<DuplicatePair>{});
+  EXPECT_EQ(duplicates(2), first);
+  EXPECT_EQ(duplicates(3), second);
+  EXPECT_EQ(duplicates(4), std::vector<DuplicatePair>{});
+
+  const auto told = tell_versions(out_).value();
+  ASSERT_EQ(told.versions.size(), 4u);
+  EXPECT_EQ(told.keep, 9u);
+  const VersionEntry& entry = told.versions[2].entry;
+  EXPECT_TRUE(told.versions[2].readable);
+  EXPECT_EQ(entry.added, 7u);
+  EXPECT_EQ(entry.removed, 3u);
+  EXPECT_EQ(entry.tiles_written, 1u);
+  EXPECT_EQ(entry.digest, at(3).manifest().digest);
+  EXPECT_EQ(entry.command, (std::vector<std::string>{"tessera", "update"}));
+  EXPECT_EQ(told.versions[0].entry.vertices, at(1).manifest().vertices);
+}
+
+TEST(VersionLog, IsBoundedAndReadAsItWasWritten) {
+  const TemporaryFolder folder;
+  VersionLog log{.keep = 4, .versions = {}};
+  for (std::uint32_t version = 1; version <= 1500; ++version) {
+    append(log, {.version = version,
+                 .inputs = std::vector<std::string>(100, std::string(10'000, 'x')),
+                 .columns = {"area"},
+                 .digest = Digest{},
+                 .command = std::vector<std::string>(1000, std::string(10'000, '"')),
+                 .software_version = "1"});
+  }
+  EXPECT_EQ(log.versions.size(), 1000u);
+  log.versions.erase(log.versions.begin(), log.versions.begin() + 900);
+  ASSERT_TRUE(make_directories(versions_folder(folder.path())));
+  ASSERT_TRUE(write_whole(version_log_file(folder.path()), version_log_text(log)));
+  const auto read = read_version_log(folder.path(), 1500);
+  ASSERT_TRUE(read) << read.error().where;
+  EXPECT_EQ(read.value().keep, 4u);
+  EXPECT_EQ(read.value().versions, log.versions);
+  EXPECT_EQ(read_version_log(folder.path(), 1490).value().versions.back().version, 1490u) << "the rest was left";
+  for (const char* damaged : {"", "[]", "{}", R"({"keep":0,"versions":[]})", R"({"keep":1,"versions":[{}]})"}) {
+    ASSERT_TRUE(write_whole(version_log_file(folder.path()), damaged));
+    const auto refused = read_version_log(folder.path(), 1500);
+    ASSERT_FALSE(refused) << damaged;
+    EXPECT_EQ(refused.error().code, Errc::corrupt);
+  }
 }
 
 TEST_F(Versions, AStrangeTileFileIsDamageStill) {

@@ -204,7 +204,7 @@ TEST(Manifest, ReadsBackWhatWasWrittenToTheLastBit) {
   EXPECT_EQ(read.value().seconds, manifest.seconds);
   EXPECT_EQ(read.value().figures, manifest.figures);
   EXPECT_EQ(read.value().master_xxh3, manifest.master_xxh3);
-  EXPECT_EQ(read_duplicates(folder.path(), DuplicatePolicy::first).value(), duplicates);
+  EXPECT_EQ(read_duplicates(folder.path(), read.value()).value(), duplicates);
   EXPECT_EQ(read.value().keep, DuplicatePolicy::first);
   EXPECT_EQ(read.value().other_heights, 1u);
   EXPECT_EQ(heights_of(read.value()), (HeightRange{-1.25, 1e300}));
@@ -219,7 +219,7 @@ TEST(Manifest, TellsWhichOfEqualPointsIsKeptAndDuplicatesFitToIt) {
     EXPECT_TRUE(finish_store(folder.path(), manifest, duplicates));
     const auto read = read_manifest(folder.path());
     EXPECT_EQ(read.value().keep, keep);
-    const auto pairs = read_duplicates(folder.path(), read.value().keep);
+    const auto pairs = read_duplicates(folder.path(), read.value());
     return pairs ? std::string() : pairs.error().where.substr(pairs.error().where.find(", ") + 2);
   };
   EXPECT_EQ(read_as(DuplicatePolicy::last, {{3, 200}, {4, 200}}), "");

@@ -37,12 +37,15 @@ struct Mail {
 };
 
 struct Tile {
-  std::optional<TileMesh> mesh;  // stored
+  std::optional<TileMesh> mesh;             // stored
+  std::unique_ptr<TileTriangulation> live;  // null: not live, or without points
+  std::size_t seen = 0;                     // so many removed points the live tile has been told of
   // Of this change.
   ChangedPoints begin;
   std::vector<Point> points;
   std::vector<PointId> ids;
   bool begins = false;
+  std::size_t added = 0;                 // of points, the last
   std::unique_ptr<TileTriangulation> t;  // null: asleep
   bool due = false;
   std::vector<Mail> waiting;
@@ -57,10 +60,12 @@ struct Change {
 };
 
 struct Setting {
+  std::vector<PointId> removed;  // in all changes so far
   int dimension;
   std::uint32_t tiles;
   KernelKind kernel;
   Owner owner;
+  std::size_t seen_before = 0;  // of removed: before this change
   const KnownFromStart* around;
   const ChangeOptions* options;
 };
@@ -87,6 +92,8 @@ class Exchange {
   void choose_common(const Change& change, std::span<const SharedPoint> stayed);
   void know_least(Tile& tile, std::uint32_t self) const;
   void start(std::uint32_t i);
+  void start_live(std::uint32_t i);
+  void store(std::uint32_t i);
   void splay(std::uint32_t i);
   void sleep(std::uint32_t i);
   void post(std::uint32_t i);
@@ -113,10 +120,14 @@ class Exchange {
 
 TileOptions Exchange::options_of(std::uint32_t i) const {
   TileOptions out{TileId{i}, setting_.dimension, setting_.kernel, ExchangeRule::introduce, setting_.around};
+  if (i % 2 == 0) out.rebuilt_from = 0;  // so that few points are enough to test both ways
   if (mutant(Mutant::foreign_pairs)) out.left_out = LeftOut::foreign_pairs;
   if (mutant(Mutant::old_arrivals)) out.left_out = LeftOut::old_arrivals;
   if (mutant(Mutant::refused_fresh)) out.left_out = LeftOut::refused_fresh;
   if (mutant(Mutant::answers)) out.left_out = LeftOut::answers;
+  if (mutant(Mutant::forgotten_sent)) out.left_out = LeftOut::forgotten_sent;
+  if (mutant(Mutant::forgotten_fresh)) out.left_out = LeftOut::forgotten_fresh;
+  if (mutant(Mutant::forgotten_refused)) out.left_out = LeftOut::forgotten_refused;
   if (mutant(Mutant::replayed_quotes)) out.left_out = LeftOut::replayed_quotes;
   return out;
 }
@@ -142,6 +153,7 @@ void Exchange::prepare(const Change& change, std::span<const SharedPoint> stayed
       }
     }
     t.begins = t.begin.begins();
+    t.added = added[i].size();
     if (mutant(Mutant::begin_if_changed)) t.begins &= t.begin.lost || !added[i].empty();
     if (mutant(Mutant::no_foreign) && t.begins) t.begin.foreign.clear();
     for (const SharedPoint& p : stayed) {  // any point that stays may be known
@@ -180,8 +192,42 @@ void Exchange::know_least(Tile& tile, std::uint32_t self) const {
   tile.begin.foreign.push_back({common_->at, common_->id, common_->tile, 0});
 }
 
+// The points that stay are known by the live tile, or are seeds.
+void Exchange::start_live(std::uint32_t i) {
+  Tile& t = tile_[i];
+  if (t.live) {
+    t.t = t.live->clone();
+  } else {
+    t.t = std::make_unique<TileTriangulation>(options_of(i));
+    t.t->settle();
+  }
+  std::vector<LocalPoint> added(t.begin.own.end() - static_cast<std::ptrdiff_t>(t.added), t.begin.own.end());
+  std::shuffle(added.begin(), added.end(), rng_);
+  std::span<const PointId> removed(setting_.removed);
+  removed = removed.subspan(mutant(Mutant::missed_removals) ? setting_.seen_before : t.seen);
+  const auto changed = t.t->change(removed, added);
+  if (!changed) {
+    wrong_ = changed.error().where;
+    return;
+  }
+  if (changed.value().lost != t.begin.lost || changed.value().begins != t.begins) {
+    wrong_ = "tile " + std::to_string(i) + ": a live tile finds other fresh points";
+  }
+  std::shuffle(t.begin.foreign.begin(), t.begin.foreign.end(), rng_);
+  Status known = t.t->know(t.begin.foreign);
+  if (known && t.begins && common_) known = t.t->know_common(*common_);
+  if (!known) wrong_ = known.error().where;
+}
+
 void Exchange::start(std::uint32_t i) {
   Tile& t = tile_[i];
+  if (setting_.options->live) {
+    start_live(i);
+    t.due = true;
+    ++report_.woken;
+    report_.begun += t.begins ? 1 : 0;
+    return;
+  }
   t.t = std::make_unique<TileTriangulation>(options_of(i));
   std::shuffle(t.begin.foreign.begin(), t.begin.foreign.end(), rng_);
   std::optional<SharedPoint> common = t.begins ? common_ : std::nullopt;
@@ -205,7 +251,7 @@ void Exchange::sleep(std::uint32_t i) {
 void Exchange::splay(std::uint32_t i) {
   Tile& t = tile_[i];
   if (!t.t) start(i);
-  if (rng_() % 8 == 0) sleep(i);
+  if (!setting_.options->live && rng_() % 8 == 0) sleep(i);
   if (!t.reborn.empty()) {
     const std::vector<TileId> reborn(t.reborn.begin(), t.reborn.end());
     t.reborn.clear();
@@ -333,6 +379,7 @@ std::string Exchange::run(const Change& change, std::span<const SharedPoint> sta
     Tile& t = tile_[i];
     if (t.points.empty()) {
       t.mesh.reset();
+      t.live.reset();
       continue;
     }
     if (!t.t && t.begin.lost) start(i);  // its cells follow from what is left
@@ -343,10 +390,24 @@ std::string Exchange::run(const Change& change, std::span<const SharedPoint> sta
     if (t.t->kernel_dimension() < setting_.dimension) {
       wrong_ = "tile " + std::to_string(i) + " is flat";
     } else {
-      t.mesh = t.t->collect(t.points, t.ids, {}).whole();
+      store(i);
     }
   }
+  for (Tile& t : tile_) {  // also those that slept
+    if (t.live && wrong_.empty()) t.mesh = t.live->mesh(t.live->own());
+  }
   return wrong_;
+}
+
+void Exchange::store(std::uint32_t i) {
+  Tile& t = tile_[i];
+  if (!setting_.options->live) {
+    t.mesh = t.t->collect(t.points, t.ids, {}).whole();
+    return;
+  }
+  t.t->settle();
+  t.live = std::move(t.t);
+  t.seen = setting_.removed.size();
 }
 
 // The points from which a world draws: a cloud of the reference, or a lattice; in a quarter of all some are far away.
@@ -587,6 +648,8 @@ std::string World::change(const Change& change, bool counted) {
   ChangeReport& report = counted ? report_ : uncounted;
   ++(change.added.empty() ? report.removals : change.removed.empty() ? report.additions : report.both);
   report.tiles += setting_.tiles;
+  setting_.seen_before = setting_.removed.size();
+  setting_.removed.insert(setting_.removed.end(), change.removed.begin(), change.removed.end());
   std::string wrong = Exchange(setting_, tile_, rng_, report).run(change, stayed);
   cloud_ = std::move(next);
   ids_.clear();
@@ -597,6 +660,8 @@ std::string World::change(const Change& change, bool counted) {
 // The first result is an addition to nothing.
 void World::run() {
   ChangeOptions plain;
+  plain.live = setting_.options->live;
+  if (plain.live) plain.mutant = setting_.options->mutant;  // live tiles keep their options
   const ChangeOptions* wanted = std::exchange(setting_.options, &plain);
   Change first;
   const auto least = static_cast<std::size_t>(setting_.dimension) + 2;
@@ -606,7 +671,8 @@ void World::run() {
   }
   report_.wrong = change(first, false);
   setting_.options = wanted;
-  for (int k = 0; k < 5 && report_.wrong.empty() && !ids_.empty(); ++k) {
+  const int changes = setting_.options->live ? 8 : 5;
+  for (int k = 0; k < changes && report_.wrong.empty() && !ids_.empty(); ++k) {
     Change next;
     const std::uint64_t kind = rng_() % 3;
     if (kind != 1) next.removed = removed();

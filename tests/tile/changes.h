@@ -22,6 +22,10 @@ enum class Mutant : std::uint8_t {
   old_arrivals,
   refused_fresh,
   answers,
+  missed_removals,  // a live tile is not told of what was removed while it slept
+  forgotten_sent,   // a live tile keeps what it had told in the change before, and the following: LeftOut
+  forgotten_fresh,
+  forgotten_refused,
   no_replay,  // nothing is repeated for tiles that were lost
   replayed_quotes,
 };
@@ -31,6 +35,7 @@ struct ChangeOptions {
   std::uint64_t worlds = 1;  // each a first triangulation and five changes
   Mutant mutant = Mutant::none;
   bool losses = false;  // tiles are lost and begin again
+  bool live = false;    // tiles stay in memory from change to change, and are changed in place
 };
 
 struct ChangeReport {

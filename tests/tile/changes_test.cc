@@ -38,18 +38,28 @@ TEST(Changes, AreRightWhateverIsLost) {
   expect_right({.seed = figure("CHANGES_SEED", 1), .worlds = figure("CHANGES_WORLDS", 1500) / 2, .losses = true});
 }
 
+TEST(Changes, AreRightInTilesThatStayInMemory) {
+  expect_right({.seed = figure("CHANGES_SEED", 1), .worlds = figure("CHANGES_WORLDS", 1500), .live = true});
+}
+
+TEST(Changes, AreRightInTilesThatStayInMemoryWhateverIsLost) {
+  expect_right(
+      {.seed = figure("CHANGES_SEED", 1), .worlds = figure("CHANGES_WORLDS", 1500) / 2, .losses = true, .live = true});
+}
+
 struct Part {
   const char* name;
   Mutant mutant;
   bool losses = false;
+  bool live = false;
 };
 
 class ChangesWithout : public ::testing::TestWithParam<Part> {};
 
 // So the tests above would notice it.
 TEST_P(ChangesWithout, AreWrong) {
-  const ChangeReport report =
-      change_worlds({.seed = 1, .worlds = 20'000, .mutant = GetParam().mutant, .losses = GetParam().losses});
+  const ChangeReport report = change_worlds(
+      {.seed = 1, .worlds = 20'000, .mutant = GetParam().mutant, .losses = GetParam().losses, .live = GetParam().live});
   EXPECT_NE(report.wrong, "") << report.changes() << " changes are right without it";
   std::cout << "after " << report.changes() << " changes: " << report.wrong << '\n';
 }
@@ -67,6 +77,10 @@ INSTANTIATE_TEST_SUITE_P(Parts, ChangesWithout,
                                            Part{"EdgesOfArrivalsThatAreNotFresh", Mutant::old_arrivals},
                                            Part{"IntroductionOfRefusedPoints", Mutant::refused_fresh},
                                            Part{"AnswersOfThoseWhoKnowAlready", Mutant::answers},
+                                           Part{"RemovalsWhileATileSlept", Mutant::missed_removals, false, true},
+                                           Part{"NewSentSets", Mutant::forgotten_sent, false, true},
+                                           Part{"NewFreshPoints", Mutant::forgotten_fresh, false, true},
+                                           Part{"NewRefusedPoints", Mutant::forgotten_refused, false, true},
                                            Part{"Replay", Mutant::no_replay, true},
                                            Part{"ReplayOfQuotes", Mutant::replayed_quotes, true}),
                          [](const auto& info) { return std::string(info.param.name); });

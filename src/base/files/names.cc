@@ -10,6 +10,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "src/base/files/checksum.h"
 #include "src/base/files/data_names.h"
 #include "src/base/files/handed_file.h"
 #include "src/base/files/pass_names.h"
@@ -138,6 +139,14 @@ std::optional<std::uint32_t> version_of_file(const fs::path& file) {
     return std::nullopt;
   return version;
 }
+std::optional<NamedVersion> named_version(const fs::path& path) {
+  const auto folder = path.parent_path();
+  const auto version = version_of_file(path);
+  if (!version || *version == 0 || folder.filename() != versions_folder("").filename()) return std::nullopt;
+  const auto out = folder.parent_path();
+  return NamedVersion{out.empty() ? fs::path(".") : out, *version};
+}
+fs::path version_log_file(const fs::path& out) { return versions_folder(out) / "log.json"; }
 fs::path pass_folder(const fs::path& out) { return versions_folder(out) / "pass"; }
 fs::path pass_values_file(const fs::path& scratch, TileId tile) { return numbered(scratch / "values", tile, ".bin"); }
 fs::path pass_sent_file(const fs::path& scratch, TileId tile) { return numbered(scratch / "sent", tile, ".bin"); }
@@ -148,6 +157,16 @@ fs::path early_file(const fs::path& out, TileId tile, NodeId node) {
   return name;
 }
 fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
+fs::path duplicates_file(const fs::path& out, std::uint64_t xxh3) {
+  return out / ("duplicates-" + checksum_text(xxh3) + ".bin");
+}
+bool is_duplicates_name(const fs::path& file) {
+  const auto name = file.filename().string();
+  constexpr std::size_t first = 11, digits = 16;  // behind "duplicates-"
+  if (name == duplicates_file("")) return true;
+  if (name.size() != first + digits + 4 || !name.starts_with("duplicates-") || !name.ends_with(".bin")) return false;
+  return name.find_first_not_of("0123456789abcdef", first) == first + digits;
+}
 fs::path report_file(const fs::path& out) { return out / "report.html"; }
 fs::path lock_folder(const fs::path& out) { return out / ".lock"; }
 fs::path new_lock_folder(const fs::path& out, const std::string& owner) {
@@ -271,8 +290,8 @@ fs::path temporary_name_of_process(const fs::path& final_name) {
 
 bool is_result_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
-  return name == manifest_file("") || name == master_file("") || name == duplicates_file("") ||
-         name == report_file("") || name == "triangulation.vtkhdf";  // the master file of format 1
+  return name == manifest_file("") || name == master_file("") || is_duplicates_name(name) || name == report_file("") ||
+         name == "triangulation.vtkhdf";  // the master file of format 1
 }
 
 bool is_tile_name(const fs::path& file) {

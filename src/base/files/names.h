@@ -8,8 +8,11 @@
 //                                  older software wrote an entry to a file of its own, 000042.done
 //   OUT/tiles/000042-2.vtu, .pts   a tile as version 2 of the result wrote it
 //   OUT/.versions/000001.json      the manifest of version 1, once there is a newer one; 000001.copy.json: a copy of it
+//   OUT/.versions/log.json         what each version was made of (src/result/version_log.h)
 //   OUT/.versions/pass/            what the writer of a version needs meanwhile: values/000042.bin, sent/000042.bin
-//   OUT/duplicates.bin             when there are any
+//   OUT/duplicates.bin             when there are any; duplicates-HEX.bin, with its checksum, once points were removed
+//   or
+//                                  added in place
 //   OUT/report.html
 //   OUT/.lock/                     while a process works in the folder (folder_lock.h)
 //   OUT/.run/                      the run folder, while the run is unfinished; until points are routed each process
@@ -76,10 +79,12 @@
 namespace tessera {
 
 // Result folders.
-inline constexpr int newest_format = 4, oldest_format = 2;  // the formats that can be read
+inline constexpr int newest_format = 5, oldest_format = 2;  // the formats that can be read
 // The format of results that were never changed and have all their cells, and of results with versions or tiles kept as
 // points.
 inline constexpr int unchanged_format = 3, changed_format = 4;
+// The format of results whose points were changed in place: each version has its own list of duplicates.
+inline constexpr int updated_format = 5;
 std::filesystem::path manifest_file(const std::filesystem::path& out);
 std::filesystem::path master_file(const std::filesystem::path& out);
 std::filesystem::path tiles_folder(const std::filesystem::path& out);
@@ -97,12 +102,23 @@ std::filesystem::path version_file(const std::filesystem::path& out, std::uint32
 std::filesystem::path version_copy(const std::filesystem::path& out, std::uint32_t version);
 // The version of a version_file() or version_copy(). Nothing for other names.
 std::optional<std::uint32_t> version_of_file(const std::filesystem::path& file);
+// A version of a result, by the name of its manifest in versions_folder(). Such a path stands for that version wherever
+// a result folder is read, also while the version is the current one and the path does not exist.
+struct NamedVersion {
+  std::filesystem::path out;
+  std::uint32_t version = 1;
+};
+std::optional<NamedVersion> named_version(const std::filesystem::path& path);
+std::filesystem::path version_log_file(const std::filesystem::path& out);
 // What the writer of a version needs until the version is written.
 std::filesystem::path pass_folder(const std::filesystem::path& out);
 std::filesystem::path done_file(const std::filesystem::path& out, NodeId node);
 // The cells that a node has written of a tile before the tile's other cells are known: a temporary name.
 std::filesystem::path early_file(const std::filesystem::path& out, TileId tile, NodeId node);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
+// The duplicates of a version of format 5, by the checksum of the file.
+std::filesystem::path duplicates_file(const std::filesystem::path& out, std::uint64_t xxh3);
+bool is_duplicates_name(const std::filesystem::path& file);
 std::filesystem::path report_file(const std::filesystem::path& out);
 std::filesystem::path lock_folder(const std::filesystem::path& out);
 std::filesystem::path new_lock_folder(const std::filesystem::path& out, const std::string& owner);

@@ -227,7 +227,8 @@ Result<Materialised> in_place(const fs::path& result, const MaterialiseOptions& 
         made.bytes += entry.bytes;
         return success();
       }));
-  BOOST_OUTCOME_TRYV(next->commit({}));
+  BOOST_OUTCOME_TRYV(
+      next->commit({}, {.inputs = {}, .command = options.command, .software_version = options.software_version}));
   return made;
 }
 
@@ -266,7 +267,7 @@ Result<Materialised> into_folder(const fs::path& result, const MaterialiseOption
   }
   std::vector<DuplicatePair> pairs;
   if (manifest.duplicates_xxh3 != 0) {
-    BOOST_OUTCOME_TRY(read, read_duplicates(result, manifest.keep));
+    BOOST_OUTCOME_TRY(read, read_duplicates(source.folder(), manifest));
     pairs = std::move(read);
   }
   BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, pairs));

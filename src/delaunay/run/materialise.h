@@ -20,6 +20,9 @@ struct MaterialiseOptions {
   std::uint64_t memory_bytes = 0;  // if it is less than one tile takes, that much is used
   unsigned threads = 1;
   std::function<void(double)> progress = {};  // called with the fraction that is done, by one thread at a time; or null
+  // For the log of versions.
+  std::vector<std::string> command = {};
+  std::string software_version = {};
 };
 
 struct Materialised {

@@ -91,7 +91,7 @@ Result<std::vector<PointId>> select_points(const TileSource& source, const Point
   }));
   if (manifest.duplicates_xxh3 != 0 && !selected.empty()) {
     const PointIds vertices(selected.begin(), selected.end());
-    BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), manifest.keep));
+    BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), manifest));
     for (const DuplicatePair& pair : pairs) {
       if (vertices.contains(pair.kept)) selected.push_back(pair.duplicate);
     }

@@ -57,11 +57,53 @@ KnownFromStart known_from_start(const Partition& partition) {
   return around;
 }
 
+// What is changed. A result that is itself changed is locked.
+struct Target {
+  std::unique_ptr<NewVersion> version;  // null for a new folder, and in a dry run
+  TileSource source;
+};
+
+Result<Target> open_target(const fs::path& result, const UpdateOptions& options) {
+  if (options.dry_run || !options.to.empty()) {
+    BOOST_OUTCOME_TRY(source, TileSource::open(result));
+    return Target{nullptr, std::move(source)};
+  }
+  BOOST_OUTCOME_TRY(version, NewVersion::begin(result, options.version));
+  const TileSource source = version->source();
+  return Target{std::move(version), source};
+}
+
+// Both return the manifest of the new result.
+Result<Manifest> write_folder(const UpdateSetting& setting, UpdatedResult::Tiles& tiles, const ResultChange& change,
+                              const UpdateOptions& options) {
+  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(options.to)));
+  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));
+  UpdatedResult next(setting, tiles, folder.path());
+  BOOST_OUTCOME_TRYV(next.write_changed(options.threads));
+  BOOST_OUTCOME_TRYV(next.link_others());
+  BOOST_OUTCOME_TRYV(next.finish(change, options));
+  BOOST_OUTCOME_TRYV(rename_file(folder.path(), options.to));
+  folder.keep();
+  return next.manifest();
+}
+
+Result<Manifest> write_version(const UpdateSetting& setting, UpdatedResult::Tiles& tiles, NewVersion& version,
+                               const ResultChange& change, const UpdateOptions& options) {
+  UpdatedResult next(setting, tiles, version.scratch());
+  BOOST_OUTCOME_TRYV(next.write_changed(options.threads));
+  BOOST_OUTCOME_TRYV(next.commit(version, change, options));
+  return version.manifest();
+}
+
 Result<Updated> update(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
                        const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(opened, TileSource::open(result));
-  const TileSource source = opened.stopped_by(stop);
-  if (!options.dry_run) {
+  BOOST_OUTCOME_TRY(target, open_target(result, options));
+  const TileSource source = target.source.stopped_by(stop);
+  if (change.chosen_from != 0 && change.chosen_from != source.manifest().version)
+    return error(Errc::usage, result.string() +
+                                  ": another program has changed the result meanwhile; run the command "
+                                  "again, so that points are chosen from the present version");
+  if (!options.dry_run && !options.to.empty()) {
     BOOST_OUTCOME_TRY(there, is_there(options.to));
     if (there) return error(Errc::usage, options.to.string() + ": exists already");
   }
@@ -86,18 +128,13 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
   }
   BOOST_OUTCOME_TRYV(check_span(source, exchange.tiles()));
   if (options.dry_run) return updated;
-  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(options.to)));
-  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));
-  UpdatedResult next(setting, exchange.tiles(), folder.path());
-  BOOST_OUTCOME_TRYV(next.write_changed(options.threads));
-  BOOST_OUTCOME_TRYV(next.link_others());
-  BOOST_OUTCOME_TRYV(next.finish(change, options));
-  BOOST_OUTCOME_TRYV(rename_file(folder.path(), options.to));
-  folder.keep();
-  updated.vertices = next.manifest().vertices;
-  updated.cells = next.manifest().cells;
-  updated.tiles = next.manifest().tiles.size();
-  updated.digest = next.manifest().digest;
+  BOOST_OUTCOME_TRY(made, target.version ? write_version(setting, exchange.tiles(), *target.version, change, options)
+                                         : write_folder(setting, exchange.tiles(), change, options));
+  updated.vertices = made.vertices;
+  updated.cells = made.cells;
+  updated.tiles = made.tiles.size();
+  updated.version = made.version;
+  updated.digest = made.digest;
   return updated;
 }
 

@@ -14,6 +14,7 @@
 #include "src/base/figures.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/result/new_version.h"
 #include "src/result/store/digest.h"
 #include "src/result/store/tile_store.h"
 
@@ -24,10 +25,14 @@ struct ResultChange {
   std::vector<Point> add = {};
   std::vector<std::byte> rows = {};  // of the new points, in the schema of the result
   std::vector<PointId> remove = {};  // source indices of vertices and duplicates
+  // The version of the result in which the points to be removed were found. 0: they were not chosen from a version.
+  std::uint32_t chosen_from = 0;
 };
 
 struct UpdateOptions {
-  std::filesystem::path to = {};  // the folder of the new result, which must not exist
+  // The folder of the new result, which must not exist. Empty: the result itself gets a new version.
+  std::filesystem::path to = {};
+  VersionOptions version = {};  // of a change of the result itself
   unsigned threads = 1;
   bool dry_run = false;                      // write nothing, and only find out what would change
   std::vector<std::string> command = {};     // for the manifest
@@ -40,6 +45,7 @@ struct Updated {
   std::uint64_t removed = 0;                         // points: vertices and duplicates
   std::uint64_t duplicates = 0;                      // new points that are equal to others
   std::uint64_t vertices = 0, cells = 0, tiles = 0;  // of the new result; 0 in a dry run
+  std::uint32_t version = 1;                         // of the new result
   // Tiles that had fresh points; that were triangulated; and of these, those that have changed.
   std::uint64_t begun = 0, awake = 0, written = 0;
   ExchangeCounts exchange = {};
@@ -49,10 +55,12 @@ struct Updated {
 // Whether a result can be changed at all. Error usage, with the reason, when it cannot.
 Status check_changeable(const std::filesystem::path& result, const Manifest& manifest);
 
-// Writes the new result; the old one stays as it is. Tiles that have not changed are hard links to the old files.
-// Errors: usage when the result cannot be changed in this way, when a point to be removed does not exist, when the
-// points that are left do not span space, or when the folder exists; those of TileSource; interrupted. After an error
-// nothing is left in the folder.
+// Makes the new result. In a new folder, tiles that have not changed are hard links to the old files, and the old
+// result stays as it is. Otherwise the result gets a new version: whoever reads the result keeps the version that he
+// has opened, and an end of this process at any moment leaves the old version or the new one. Errors: usage when the
+// result cannot be changed in this way, when a point to be removed does not exist, when the points that are left do not
+// span space, when the folder exists, when another process changes the result, or has changed the result since points
+// were chosen; those of TileSource; interrupted. After an error the folder does not exist, or the old version stands.
 Result<Updated> update_result(const std::filesystem::path& result, const ResultChange& change,
                               const UpdateOptions& options, std::stop_token stop = {});
 

@@ -12,7 +12,7 @@ Result<PointIds> remove_duplicates(const TileSource& source, const PointIds& wan
   const Manifest& manifest = source.manifest();
   PointIds vertices = wanted;
   if (manifest.duplicates_xxh3 == 0) return vertices;
-  BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), manifest.keep));
+  BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), manifest));
   for (const DuplicatePair& pair : pairs) {  // ascending
     if (wanted.contains(pair.duplicate)) {
       vertices.erase(pair.duplicate);
@@ -63,7 +63,7 @@ Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partit
     BOOST_OUTCOME_TRY(vertices, remove_duplicates(source, wanted, plan));
     BOOST_OUTCOME_TRYV(find_vertices(source, std::move(vertices), plan));
   } else if (source.manifest().duplicates_xxh3 != 0) {
-    BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), source.manifest().keep));
+    BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), source.manifest()));
     plan.duplicates = std::move(pairs);
   }
   plan.first_new = source.manifest().points_read;

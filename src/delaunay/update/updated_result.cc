@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -33,6 +34,34 @@ bool touches(const Bounds& inner, const Bounds& outer, int dimension) {
   if (inner.empty()) return false;
   for (int axis = 0; axis < dimension; ++axis) {
     if (inner.lo[axis] <= outer.lo[axis] || inner.hi[axis] >= outer.hi[axis]) return true;
+  }
+  return false;
+}
+
+// Bounds that are known before a tile is read: those of the vertices that were written, and the old ones at all sides
+// from which no vertex has gone.
+Bounds known_bounds(const Bounds& written, const Bounds& removed, const Bounds& old, int dimension) {
+  Bounds known = written;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis >= dimension || removed.lo[axis] > old.lo[axis]) known.lo[axis] = std::min(known.lo[axis], old.lo[axis]);
+    if (axis >= dimension || removed.hi[axis] < old.hi[axis]) known.hi[axis] = std::max(known.hi[axis], old.hi[axis]);
+  }
+  return known;
+}
+
+// How far the vertices of a tile are at least from the nearest side of the old bounds.
+double depth_in(const Box& box, const Bounds& old, int dimension) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < dimension; ++axis)
+    least = std::min({least, std::max(0.0, box.lo[axis] - old.lo[axis]), std::max(0.0, old.hi[axis] - box.hi[axis])});
+  return least;
+}
+
+// Whether a vertex in the box could lie beyond the bounds that are known.
+bool may_widen(const Box& box, const Bounds& old, const Bounds& known, int dimension) {
+  for (int axis = 0; axis < dimension; ++axis) {
+    if (std::max(box.lo[axis], old.lo[axis]) < known.lo[axis]) return true;
+    if (std::min(box.hi[axis], old.hi[axis]) > known.hi[axis]) return true;
   }
   return false;
 }
@@ -131,13 +160,18 @@ Status UpdatedResult::write_changed(unsigned threads) {
   });
 }
 
+// A tile that has lost all its points, or whose cells were written anew.
+bool UpdatedResult::is_gone(TileId tile) const {
+  const auto woken = tiles_.find(tile);
+  return written_.contains(tile) || (woken != tiles_.end() && woken->second->lost());
+}
+
 Status UpdatedResult::link_others() {
   manifest_ = setting_.source.manifest();
   manifest_.tiles.clear();
   for (std::size_t i = 0; i < setting_.source.tiles(); ++i) {
     TileEntry entry = setting_.source.entry(i);
-    const auto woken = tiles_.find(entry.tile);
-    if (written_.contains(entry.tile) || (woken != tiles_.end() && woken->second->lost())) continue;
+    if (is_gone(entry.tile)) continue;
     entry.version = 1;
     BOOST_OUTCOME_TRYV(link_or_copy(setting_.source.file(i), tile_file(folder_, entry)));
     manifest_.tiles.push_back(entry);
@@ -146,54 +180,97 @@ Status UpdatedResult::link_others() {
   return success();
 }
 
-// The bounds can only shrink when a vertex goes that lies on them. Then all tiles are read.
+// The bounds can only shrink when a vertex goes that lies on them. Then tiles are read whose boxes reach beyond what is
+// known of the bounds, the outermost first: mostly those along one side.
 Result<Bounds> UpdatedResult::bounds() const {
-  const Manifest& old = setting_.source.manifest();
-  Bounds bounds = written_bounds_, removed;
+  const TileSource& source = setting_.source;
+  const Manifest& old = source.manifest();
+  Bounds removed;
   for (const auto& [id, tile] : tiles_) removed.add(tile->removed_bounds());
-  if (!touches(removed, old.bounds, old.dimension)) {
-    bounds.add(old.bounds);
-    return bounds;
+  Bounds known = known_bounds(written_bounds_, removed, old.bounds, old.dimension);
+  if (!touches(removed, old.bounds, old.dimension)) return known;
+  const auto box_of = [&](std::size_t i) {
+    const std::size_t tile = source.entry(i).tile.value;
+    return tile < old.boxes.size() ? old.boxes[tile] : Box{};
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < source.tiles(); ++i) {
+    if (!is_gone(source.entry(i).tile)) order.emplace_back(depth_in(box_of(i), old.bounds, old.dimension), i);
   }
-  for (std::size_t i = 0; i < setting_.source.tiles(); ++i) {
-    const TileId tile = setting_.source.entry(i).tile;
-    const auto woken = tiles_.find(tile);
-    if (written_.contains(tile) || (woken != tiles_.end() && woken->second->lost())) continue;
-    BOOST_OUTCOME_TRY(stored, setting_.source.read(i, {.cells = false}));
+  std::sort(order.begin(), order.end());
+  for (const auto& [depth, i] : order) {
+    if (!may_widen(box_of(i), old.bounds, known, old.dimension)) continue;
+    throw_if_stopped(setting_.stop);
+    BOOST_OUTCOME_TRY(stored, source.read(i, {.cells = false}));
     for (std::size_t v = 0; v < stored.mesh.points.size(); ++v) {
-      if (stored.mesh.point_ghost[v] == 0) bounds.add(stored.mesh.points[v]);
+      if (stored.mesh.point_ghost[v] == 0) known.add(stored.mesh.points[v]);
     }
   }
-  return bounds;
+  return known;
 }
 
 // Removed points count as filtered: they were read, and no vertex stands for them.
+void UpdatedResult::describe(Manifest& manifest, const ResultChange& change, const UpdateOptions& options) const {
+  if (!options.command.empty()) manifest.command = options.command;
+  if (!options.software_version.empty()) manifest.software_version = options.software_version;
+  manifest.inputs.insert(manifest.inputs.end(), options.inputs.begin(), options.inputs.end());
+  manifest.points_read += change.add.size();
+  manifest.filtered += setting_.plan.removed_points;
+  manifest.seconds.clear();
+  manifest.figures.clear();
+  if (duplicates_changed()) manifest.other_heights.reset();  // results do not keep the heights of duplicates
+}
+
+bool UpdatedResult::duplicates_changed() const {
+  return setting_.plan.duplicates_changed ||
+         std::any_of(tiles_.begin(), tiles_.end(), [](const auto& tile) { return !tile.second->duplicates().empty(); });
+}
+
+std::vector<DuplicatePair> UpdatedResult::duplicates() const {
+  std::vector<DuplicatePair> duplicates = setting_.plan.duplicates;
+  for (const auto& [id, tile] : tiles_)
+    duplicates.insert(duplicates.end(), tile->duplicates().begin(), tile->duplicates().end());
+  std::sort(duplicates.begin(), duplicates.end());
+  return duplicates;
+}
+
 Status UpdatedResult::finish(const ResultChange& change, const UpdateOptions& options) {
   BOOST_OUTCOME_TRY(box, bounds());
   manifest_.bounds = box;
   manifest_.version = 1;
   manifest_.previous_master_xxh3.reset();
-  if (!options.command.empty()) manifest_.command = options.command;
-  if (!options.software_version.empty()) manifest_.software_version = options.software_version;
-  manifest_.inputs.insert(manifest_.inputs.end(), options.inputs.begin(), options.inputs.end());
-  manifest_.points_read += change.add.size();
-  manifest_.filtered += setting_.plan.removed_points;
+  describe(manifest_, change, options);
   manifest_.vertices = manifest_.cells = 0;
   for (const TileEntry& entry : manifest_.tiles) {
     manifest_.vertices += entry.own_points;
     manifest_.cells += entry.main_cells;
   }
-  manifest_.seconds.clear();
-  manifest_.figures.clear();
-  std::vector<DuplicatePair> duplicates = setting_.plan.duplicates;
-  bool duplicates_changed = setting_.plan.duplicates_changed;
-  for (const auto& [id, tile] : tiles_) {
-    duplicates.insert(duplicates.end(), tile->duplicates().begin(), tile->duplicates().end());
-    duplicates_changed |= !tile->duplicates().empty();
+  return finish_store(folder_, manifest_, duplicates());
+}
+
+Status UpdatedResult::commit(NewVersion& version, const ResultChange& change, const UpdateOptions& options) {
+  BOOST_OUTCOME_TRY(box, bounds());
+  Manifest& manifest = version.manifest();
+  manifest.format_version = updated_format;
+  manifest.bounds = box;
+  describe(manifest, change, options);
+  for (std::size_t i = 0; i < setting_.source.tiles(); ++i) {
+    const TileId tile = setting_.source.entry(i).tile;
+    if (is_gone(tile) && !written_.contains(tile)) version.remove_tile(i);
   }
-  if (duplicates_changed) manifest_.other_heights.reset();  // results do not keep the heights of duplicates
-  std::sort(duplicates.begin(), duplicates.end());
-  return finish_store(folder_, manifest_, duplicates);
+  for (const auto& [tile, entry] : written_) {
+    const auto index = setting_.source.find(tile);
+    const auto file = tile_file(folder_, entry);
+    BOOST_OUTCOME_TRYV(index ? version.replace_tile(*index, entry, file) : version.add_tile(entry, file));
+  }
+  if (duplicates_changed()) {
+    BOOST_OUTCOME_TRYV(version.replace_duplicates(duplicates()));
+  }
+  return version.commit({}, {.added = change.add.size(),
+                             .removed = setting_.plan.removed_points,
+                             .inputs = options.inputs,
+                             .command = options.command,
+                             .software_version = options.software_version});
 }
 
 }  // namespace tessera

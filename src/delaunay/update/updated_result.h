@@ -11,6 +11,7 @@
 #include "src/base/result.h"
 #include "src/delaunay/update/update.h"
 #include "src/delaunay/update/woken_tile.h"
+#include "src/result/new_version.h"
 
 namespace tessera {
 
@@ -26,13 +27,20 @@ class UpdatedResult {
   Status link_others();
   // Writes what belongs to no tile, the manifest last.
   Status finish(const ResultChange& change, const UpdateOptions& options);
+  // Instead of the last two: makes what was written the new version of the result. REQUIRES: `folder` is the scratch
+  // folder of the version.
+  Status commit(NewVersion& version, const ResultChange& change, const UpdateOptions& options);
   const Manifest& manifest() const { return manifest_; }
 
  private:
   Status write(TileId tile, WokenTile& woken);
   Result<std::vector<std::byte>> rows_of(const TileMesh& mesh, TileId tile) const;
   Result<TileEntry> write_as_points(TileId tile, const TileMesh& mesh, const std::vector<std::byte>& rows);
+  bool is_gone(TileId tile) const;
   Result<Bounds> bounds() const;
+  void describe(Manifest& manifest, const ResultChange& change, const UpdateOptions& options) const;
+  std::vector<DuplicatePair> duplicates() const;
+  bool duplicates_changed() const;
   TileKind kind_of(TileId tile) const;
 
   const UpdateSetting& setting_;

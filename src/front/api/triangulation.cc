@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "src/base/files/checksum.h"
+#include "src/base/files/names.h"
 #include "src/front/api/errors.h"
 #include "src/front/api/options_inside.h"
 #include "src/front/api/tile_impl.h"
@@ -18,11 +19,18 @@ namespace tessera {
 
 Triangulation Triangulation::open(const std::filesystem::path& folder) {
   return guarded([&] {
-    return Triangulation(std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), nullptr}));
+    return Triangulation(std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), nullptr,
+                                                           named_version(folder) ? folder : std::filesystem::path()}));
   });
 }
 
-const std::filesystem::path& Triangulation::folder() const { return impl_->source.folder(); }
+Triangulation Triangulation::open(const std::filesystem::path& folder, std::uint32_t version) {
+  return open(version_file(folder, version));
+}
+
+const std::filesystem::path& Triangulation::folder() const {
+  return impl_->version.empty() ? impl_->source.folder() : impl_->version;
+}
 int Triangulation::dimension() const { return impl_->source.manifest().dimension; }
 std::uint64_t Triangulation::vertices() const { return impl_->source.manifest().vertices; }
 std::uint64_t Triangulation::cells() const { return impl_->source.manifest().cells; }
@@ -63,7 +71,7 @@ std::string Triangulation::export_to(const std::filesystem::path& target, const 
     }
   };
   const auto exported =
-      guarded([&] { return export_result(impl_->source.folder(), target, options, stop.get_token()); });
+      guarded([&] { return export_result(folder(), target, options, stop.get_token()); });
   if (thrown) std::rethrow_exception(thrown);
   return value_or_throw(exported).note;
 }
@@ -83,7 +91,7 @@ Proof Triangulation::verify(const VerifyRequest& request) const {
     const auto& asked = OptionsInside::of(request);
     VerifyOptions options = asked.options;
     if (options.memory_bytes == 0) options.memory_bytes = default_memory();
-    auto report = value_or_throw(tessera::verify(impl_->source.folder(), options, asked.stop));
+    auto report = value_or_throw(tessera::verify(folder(), options, asked.stop));
     return Proof(std::make_shared<const Proof::Impl>(Proof::Impl{std::move(report)}));
   });
 }
@@ -110,7 +118,7 @@ MeasureReport Triangulation::measure(const MeasureRequest& request) {
     if (options.memory_bytes == 0) options.memory_bytes = default_memory();
     if (options.threads == 0) options.threads = usable_processors();
     options.software_version = tessera::version();
-    const std::filesystem::path folder = impl_->source.folder();
+    const std::filesystem::path folder = this->folder();
     const auto measured = value_or_throw(tessera::measure(folder, options, asked.stop));
     impl_ = std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), impl_->temporary});
     return MeasureReport{measured.total.value_or(0), measured.unit, measured.made, measured.note};
@@ -118,7 +126,7 @@ MeasureReport Triangulation::measure(const MeasureRequest& request) {
 }
 
 std::string Triangulation::describe() const {
-  return guarded([&] { return value_or_throw(describe_result(impl_->source.folder().string(), true)); });
+  return guarded([&] { return value_or_throw(describe_result(folder().string(), true)); });
 }
 
 }  // namespace tessera

@@ -37,6 +37,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_tileset(root));
   commands.push_back(add_materialise(root));
   commands.push_back(add_update(root));
+  commands.push_back(add_log(root));
   commands.push_back(add_measure(root));
   commands.push_back(add_columns(root));
   commands.push_back(add_voronoi(root));

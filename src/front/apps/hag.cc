@@ -18,6 +18,7 @@
 #include "src/front/apps/percent_line.h"
 #include "src/front/apps/remote_heights.h"
 #include "src/front/apps/server_options.h"
+#include "src/front/apps/version_option.h"
 #include "src/job/arguments.h"
 #include "src/result/heights/copies.h"
 
@@ -45,7 +46,12 @@ Result<HagRequest> read_request(Settings& settings, const std::vector<std::strin
   if (request.out.empty()) return error(Errc::usage, "no folder for the copies is given; add -o FOLDER");
   BOOST_OUTCOME_TRY(output, output_options(settings));
   request.output = output;
-  if (const auto ground = settings.text("ground")) request.ground = *ground;
+  if (const auto ground = settings.text("ground")) {
+    BOOST_OUTCOME_TRY(version, at_version(settings, *ground));
+    request.ground = version;
+  } else if (settings.text("version")) {
+    return error(Errc::usage, "--version is of the result that --ground names, which is not given");
+  }
   BOOST_OUTCOME_TRY(number,
                     settings.get("ground-class", [](const std::string& text) { return parse_integer(text, 0, 255); }));
   if (number && request.ground)
@@ -136,6 +142,7 @@ Command add_hag(CLI::App& root) {
   add_choices(command, "format", "las, laz");
   add_value(command, "outside", "VALUE", "the height of points outside of the hull of the ground points; default: NaN",
             0, true);
+  add_version_option(command);
   add_switch(command, "replace", "replace a dimension HeightAboveGround that a file has already", 0, true);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_threads_option(command);

@@ -8,6 +8,7 @@
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
 #include "src/front/apps/triangulate_options.h"
+#include "src/front/apps/version_option.h"
 #include "src/front/apps/words.h"
 #include "src/job/describe.h"
 
@@ -21,12 +22,18 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   if (what.empty() && options.cloud.input_list.empty())
     return error(Errc::usage, "neither an input file nor a result folder is given; try 'tessera info --help'");
 
+  std::vector<std::string> named = what;
+  if (settings.text("version")) {
+    if (what.size() != 1) return error(Errc::usage, "--version is for one result folder");
+    BOOST_OUTCOME_TRY(folder, at_version(settings, what[0]));
+    named = {folder};
+  }
   BOOST_OUTCOME_TRY(counters, settings.on("verbose"));
   if (names_server(settings)) return info_remotely(settings, what, {.json = json, .counters = counters});
   DescribeOptions how{.json = json, .counters = counters, .names = flag_name};
   BOOST_OUTCOME_TRY(statistics, settings.on("stats"));
   how.statistics = statistics;
-  const auto described = describe(what, std::move(options), how);
+  const auto described = describe(named, std::move(options), how);
   say_whole(described.text, json);
   if (described.error) return *described.error;
   return success();
@@ -44,6 +51,7 @@ Command add_info(CLI::App& root) {
                   "  tessera info NAME --server http://127.0.0.1:7070      (a result or input files of a daemon)");
   add_cloud_options(command);
   add_switch(command, "stats", "read all points, and tell their classes, returns, flags, box and density");
+  add_version_option(command);
   add_server_options(command);
   add_switch(command, "verbose", "for a result: print all counters of the run that made it", 'v');
   add_switch(command, "json", "one JSON object on stdout, instead of text");

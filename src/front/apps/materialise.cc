@@ -16,6 +16,7 @@
 #include "src/front/apps/percent_line.h"
 #include "src/front/apps/say.h"
 #include "src/job/arguments.h"
+#include "src/job/version.h"
 #include "src/result/store/tile_store.h"
 
 namespace tessera::apps {
@@ -43,11 +44,13 @@ void print(const Materialised& made, const OutputOptions& output) {
   if (made.left_as_points > 0) say("%s tiles are kept as points\n", std::to_string(made.left_as_points).c_str());
 }
 
-Status run_materialise(Settings& settings, const std::string& folder) {
+Status run_materialise(Settings& settings, const std::string& folder, const std::vector<std::string>& command_line) {
   if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera materialise --help'");
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
   MaterialiseOptions options;
+  options.command = command_line;
+  options.software_version = version();
   options.to = settings.text("output").value_or("");
   if (settings.text("bbox")) {
     BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
@@ -87,8 +90,8 @@ Command add_materialise(CLI::App& root) {
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
   add_argument(command, "result", "FOLDER", *folder, "result folder");
-  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
-    return run_materialise(*settings, *folder);
+  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>& command_line) {
+    return run_materialise(*settings, *folder, command_line);
   };
   return command;
 }

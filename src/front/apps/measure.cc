@@ -15,6 +15,7 @@
 #include "src/front/apps/percent_line.h"
 #include "src/front/apps/remote_result.h"
 #include "src/front/apps/server_options.h"
+#include "src/front/apps/version_option.h"
 #include "src/job/describe.h"
 #include "src/job/version.h"
 
@@ -54,7 +55,8 @@ Status run_measure(Settings& settings, const std::string& folder, const std::vec
 Status run_columns(Settings& settings, const std::string& folder) {
   if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera columns --help'");
   BOOST_OUTCOME_TRY(output, output_options(settings));
-  BOOST_OUTCOME_TRY(text, describe_columns(folder, output.json));
+  BOOST_OUTCOME_TRY(version, at_version(settings, folder));
+  BOOST_OUTCOME_TRY(text, describe_columns(version, output.json));
   std::fputs(text.c_str(), stdout);
   return success();
 }
@@ -108,6 +110,7 @@ Command add_columns(CLI::App& root) {
       new_command(root, "columns", "Lists the columns of a result: what was carried with the points or computed",
                   "  tessera columns out/\n"
                   "  tessera columns out/ --json");
+  add_version_option(command);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
   add_argument(command, "result", "FOLDER", *folder, "result folder");

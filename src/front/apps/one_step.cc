@@ -12,6 +12,7 @@
 #include "src/front/apps/log.h"
 #include "src/front/apps/server_options.h"
 #include "src/front/apps/triangulate_options.h"
+#include "src/front/apps/version_option.h"
 #include "src/front/apps/watching.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
@@ -30,6 +31,7 @@ constexpr const char* kept = "keep-result";
 Result<bool> is_result(const std::vector<std::string>& sources) {
   if (sources.empty()) return true;
   if (sources.size() > 1) return false;
+  if (named_version(sources[0])) return true;
   const bool names_files = sources[0] == "-" || sources[0].find_first_of("*?[") != std::string::npos;
   BOOST_OUTCOME_TRY(there, is_there(sources[0]));
   if (!there) return !names_files;
@@ -117,6 +119,7 @@ std::shared_ptr<std::vector<std::string>> add_sources(Command& command, int dime
   add_value(command, kept, "FOLDER", "for point files: keep the result that is made of them first, in this folder", 0,
             true);
   add_source_options(command);
+  add_version_option(command);
   if (dimension == 0) add_dimension(command);
   auto sources = std::make_shared<std::vector<std::string>>();
   add_argument(command, "result", "FOLDER", *sources,
@@ -131,8 +134,11 @@ Status on_result(Settings& settings, const OneStep& what, const OutputOptions& o
   if (names_server(settings) || there) {
     if (what.sources.size() > 1) return error(Errc::usage, "give one result folder, not several");
     if (keep) return error(Errc::usage, "--keep-result is for point files, but " + what.sources[0] + " is a result");
-    return use(what.sources.empty() ? std::string() : what.sources[0]);
+    if (what.sources.empty()) return use("");
+    BOOST_OUTCOME_TRY(folder, at_version(settings, what.sources[0]));
+    return use(folder);
   }
+  if (settings.text("version")) return error(Errc::usage, "--version is for results, but point files are given");
   if (keep) {
     BOOST_OUTCOME_TRYV(make_result(settings, what, *keep, output));
     return use(*keep);
@@ -145,7 +151,8 @@ Status on_result(Settings& settings, const OneStep& what, const OutputOptions& o
 Status on_tiles(Settings& settings, const OneStep& what, const OutputOptions& output, const TileProduct& product,
                 const std::function<Status(const std::string& folder)>& use) {
   BOOST_OUTCOME_TRY(there, is_result(what.sources));
-  if (there || names_server(settings) || settings.text(kept)) return on_result(settings, what, output, use);
+  if (there || names_server(settings) || settings.text(kept) || settings.text("version"))
+    return on_result(settings, what, output, use);
   BOOST_OUTCOME_TRY(folder, folder_beside(what));
   return make_product(settings, what, folder.path() / "run", output, product);
 }

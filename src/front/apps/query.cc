@@ -10,6 +10,7 @@
 #include "src/front/apps/log.h"
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/query_run.h"
+#include "src/front/apps/version_option.h"
 #include "src/job/arguments.h"
 
 namespace tessera::apps {
@@ -84,7 +85,8 @@ Status run_query(Settings& settings, const Asked& asked) {
   if (question == "cells" && !asked.argument.empty())
     return error(Errc::usage, "'" + asked.argument + "' is one argument too many: 'cells' takes --bbox or --polygon");
 
-  QueryRequest request{.folder = asked.folder,
+  BOOST_OUTCOME_TRY(folder, at_version(settings, asked.folder));
+  QueryRequest request{.folder = folder,
                        .argument = asked.argument,
                        .points = settings.text("points").value_or(""),
                        .columns = {},
@@ -167,6 +169,7 @@ Command add_query(CLI::App& root) {
   add_value(command, "format", "NAME",
             "for many answers: csv, json (one a line) or npy; for a single answer: json; for cells: a format of "
             "'tessera export'; default: the format of the ending of --output");
+  add_version_option(command);
   add_memory_option(command, "tiles");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace files that exist", 0, true);

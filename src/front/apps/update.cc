@@ -19,6 +19,7 @@
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/update_command.h"
+#include "src/front/apps/version_option.h"
 #include "src/input/bytes/byte_source.h"
 #include "src/input/cloud/cloud.h"
 #include "src/input/npy/npy_header.h"
@@ -43,6 +44,23 @@ struct UpdateRequest {
   OutputOptions output = {};
 };
 
+// Of a change of the result itself.
+Status read_version_options(Settings& settings, UpdateOptions& options, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(
+      keep, settings.get("keep-versions", [](const std::string& text) { return parse_integer(text, 1, 1'000'000); }));
+  BOOST_OUTCOME_TRY(wait, settings.on("wait"));
+  const bool in_place = options.to.empty() && !options.dry_run;
+  if (keep && !in_place) return error(Errc::usage, "--keep-versions is for a change of the result itself, without -o");
+  if (wait && !in_place) return error(Errc::usage, "--wait is for a change of the result itself, without -o");
+  if (keep) options.version.keep = static_cast<std::uint32_t>(*keep);
+  if (wait) options.version.lock.locked = wait_for_lock(stop);
+  return success();
+}
+
+fs::path written_to(const UpdateRequest& request) {
+  return request.options.to.empty() ? request.result : request.options.to;
+}
+
 Result<UpdateRequest> read_request(Settings& settings, const std::string& result) {
   if (result.empty()) return error(Errc::usage, "no result folder is given; try 'tessera update --help'");
   UpdateRequest request{.result = result, .add = settings.text("add"), .ids = {}, .box = settings.text("remove-box")};
@@ -54,8 +72,6 @@ Result<UpdateRequest> read_request(Settings& settings, const std::string& result
   BOOST_OUTCOME_TRY(dry_run, settings.on("dry-run"));
   request.options.dry_run = dry_run;
   request.options.to = settings.text("output").value_or("");
-  if (!dry_run && request.options.to.empty())
-    return error(Errc::usage, "no folder for the new result is given; add -o FOLDER, or --dry-run to write nothing");
   if (!request.add && !request.ids && !request.box && request.selection.classes.empty())
     return error(
         Errc::usage,
@@ -109,6 +125,7 @@ Result<ResultChange> read_change(UpdateRequest& request, const std::stop_token& 
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(check_changeable(request.result, manifest));
   ResultChange change;
+  if (request.box || !request.selection.classes.empty()) change.chosen_from = manifest.version;
   if (request.ids) {
     BOOST_OUTCOME_TRY(file, open_file(*request.ids));
     BOOST_OUTCOME_TRY(ids, read_npy_integers(*file));
@@ -131,7 +148,8 @@ void print(const UpdateRequest& request, const ResultChange& change, const Updat
   const bool dry = request.options.dry_run;
   if (request.output.json) {
     nlohmann::ordered_json told{{"event", dry ? "would_update" : "updated"}};
-    if (!dry) told["output"] = request.options.to.string();
+    if (!dry) told["output"] = written_to(request).string();
+    if (!dry) told["version"] = updated.version;
     told["removed"] = updated.removed;
     told["added"] = change.add.size();
     told["first_new_id"] = updated.first_new;
@@ -154,8 +172,9 @@ void print(const UpdateRequest& request, const ResultChange& change, const Updat
   say("%s tiles %s triangulated again, and %s of them %s\n", grouped(updated.awake).c_str(), dry ? "would be" : "were",
       grouped(updated.written).c_str(), dry ? "would change" : "have changed");
   if (dry) return;
-  say("%s: %s vertices, %s cells in %s tiles\n", request.options.to.c_str(), grouped(updated.vertices).c_str(),
-      grouped(updated.cells).c_str(), grouped(updated.tiles).c_str());
+  say("%s, version %s: %s vertices, %s cells in %s tiles\n", written_to(request).c_str(),
+      std::to_string(updated.version).c_str(), grouped(updated.vertices).c_str(), grouped(updated.cells).c_str(),
+      grouped(updated.tiles).c_str());
 }
 
 Status run_update(Settings& settings, const std::string& result, const std::vector<std::string>& command_line) {
@@ -164,6 +183,7 @@ Status run_update(Settings& settings, const std::string& result, const std::vect
   request.options.command = command_line;
   request.options.software_version = version();
   const Interrupt interrupt;
+  BOOST_OUTCOME_TRYV(read_version_options(settings, request.options, interrupt.token()));
   BOOST_OUTCOME_TRY(change, read_change(request, interrupt.token()));
   BOOST_OUTCOME_TRY(updated, update_result(request.result, change, request.options, interrupt.token()));
   print(request, change, updated);
@@ -174,12 +194,19 @@ Status run_update(Settings& settings, const std::string& result, const std::vect
 
 Command add_update(CLI::App& root) {
   auto command = new_command(root, "update", "Removes points of a result and adds others, at the cost of what changes",
-                             "  tessera update out/ --add 'new/*.laz' -o next/\n"
-                             "  tessera update out/ --remove-ids ids.npy -o next/        (source indices)\n"
-                             "  tessera update out/ --remove-class 7,18 -o next/         (LAS noise)\n"
-                             "  tessera update out/ --remove-box 0,0,50,50 --add plot.laz -o next/\n"
+                             "  tessera update out/ --add 'new/*.laz'\n"
+                             "  tessera update out/ --add 'new/*.laz' -o next/           (out/ stays as it is)\n"
+                             "  tessera update out/ --remove-ids ids.npy                 (source indices)\n"
+                             "  tessera update out/ --remove-class 7,18 --keep-versions 5\n"
+                             "  tessera update out/ --remove-box 0,0,50,50 --add plot.laz\n"
                              "  tessera update out/ --remove-class 7 --dry-run           (writes nothing)");
-  add_value(command, "output", "FOLDER", "the folder of the new result; the given one stays as it is", 'o', true);
+  add_value(command, "output", "FOLDER",
+            "make a new result in this folder, and leave the given one as it is; default: a new version of it", 'o',
+            true);
+  add_value(command, "keep-versions", "N",
+            "how many of the newest versions stay readable, also after later changes; default: as before, at first 1",
+            0, true);
+  add_switch(command, "wait", "wait while another program changes the result, instead of refusing", 0, true);
   add_value(command, "add", "FILES", "add all points of these files: a file, a folder or a pattern", 0, true);
   add_value(command, "remove-ids", "FILE", "remove the points with these source indices: a NumPy list of integers", 0,
             true);

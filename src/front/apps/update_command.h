@@ -1,4 +1,4 @@
-// The command that changes results.
+// The command that changes results, and the command that lists what has changed them.
 #pragma once
 
 #include "src/front/apps/command.h"
@@ -6,5 +6,6 @@
 namespace tessera::apps {
 
 Command add_update(CLI::App& root);
+Command add_log(CLI::App& root);
 
 }  // namespace tessera::apps

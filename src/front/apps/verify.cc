@@ -14,6 +14,7 @@
 #include "src/front/apps/remote_result.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
+#include "src/front/apps/version_option.h"
 #include "src/job/arguments.h"
 #include "src/job/engine_steps.h"
 #include "src/job/machine.h"
@@ -32,7 +33,10 @@ Status run_verify_surface(Settings& settings, const std::string& mesh, const Ver
   options.threads = threads;
   BOOST_OUTCOME_TRY(scratch, folder_for_temporary(common.scratch));
   options.scratch = scratch;
-  if (const auto of = settings.text("of")) options.triangulation = *of;
+  if (const auto of = settings.text("of")) {
+    BOOST_OUTCOME_TRY(triangulation, at_version(settings, *of));
+    options.triangulation = triangulation;
+  }
   const Interrupt interrupt;
   Engine engine(options.threads, options.memory_bytes / 2, kinds_of_stages());
   Progress progress;
@@ -69,10 +73,14 @@ Status run_verify(Settings& settings, const std::string& folder) {
   if (of)
     return error(Errc::usage,
                  "--of is for surfaces, but " + folder + " is not a surface that can be checked: it has no .ply");
-  if (remote) return verify_remotely(settings, folder, output);
+  if (remote) {
+    BOOST_OUTCOME_TRYV(at_version(settings, folder));
+    return verify_remotely(settings, folder, output);
+  }
   BOOST_OUTCOME_TRYV(refuse_detach(settings));
   const Interrupt interrupt;
-  BOOST_OUTCOME_TRY(report, verify(folder, options, interrupt.token()));
+  BOOST_OUTCOME_TRY(version, at_version(settings, folder));
+  BOOST_OUTCOME_TRY(report, verify(version, options, interrupt.token()));
   print_verified(folder, report, output);
   return success();
 }
@@ -97,6 +105,7 @@ Command add_verify(CLI::App& root) {
   add_value(command, "of", "FOLDER",
             "for a surface (a .ply file, or a folder of such files): the 3D result that it was made of; the surface is "
             "made again and compared");
+  add_version_option(command);
   add_threads_option(command);
   add_remote_options(command);
   add_output_switches(command);

@@ -20,6 +20,7 @@
 #include "src/front/apps/remote_inputs.h"
 #include "src/front/apps/server_options.h"
 #include "src/front/apps/triangulate_options.h"
+#include "src/front/apps/version_option.h"
 #include "src/job/arguments.h"
 #include "src/result/volume/difference.h"
 #include "src/result/volume/volume_table.h"
@@ -133,6 +134,12 @@ Status run_volume(Settings& settings, const std::string& a, const std::string& b
                   const std::vector<std::string>& command_line) {
   BOOST_OUTCOME_TRY(request, read_request(settings, a, b));
   if (request.output.verbose) log_everything();
+  if (!b.empty() && settings.text("version"))
+    return error(Errc::usage, "--version is for one result; name a version of two by its manifest, for example " + a +
+                                  "/.versions/000001.json");
+  if (settings.text("version") && names_server(settings)) {
+    BOOST_OUTCOME_TRYV(at_version(settings, a));
+  }
   if (names_server(settings)) return volume_remotely(settings, request);
   BOOST_OUTCOME_TRYV(refuse_detach(settings));
   const std::string& beside = request.target.empty() ? request.difference : request.target;
@@ -190,6 +197,7 @@ Command add_volume(CLI::App& root) {
   add_source_options(command);
   add_output_switches(command);
   auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>();
+  add_version_option(command);
   add_argument(command, "before", "A", *a, "the surface A: a result folder, or a point file or pattern");
   add_argument(command, "after", "B", *b, "the surface B, likewise; not with --plane or --base");
   command.run = [settings = command.settings.get(), a, b](const std::vector<std::string>& command_line) -> Status {

@@ -154,6 +154,13 @@ class Kernel {
   using TakeVertices = std::function<void(std::span<const Vertex>)>;
   virtual std::uint64_t discard(const std::function<bool(const Vertex*)>& is_final, const TakeVertices& told) = 0;
 
+  // Returns a copy, which borrows no points. Faster than save() and load(). REQUIRES: nothing is frozen.
+  virtual std::unique_ptr<Kernel> clone() const = 0;
+  // For readers of a kernel that nobody changes meanwhile: cells as rows, from 0 to rows() - 1, some of which may be
+  // gaps. Unlike other functions these may be called from several threads. rows() is 0 for a kernel that has no rows.
+  virtual std::uint32_t rows() const = 0;
+  virtual CellRecord row(std::uint32_t number) const = 0;
+
   virtual KernelImage save() const = 0;
   // Replaces the content of the kernel. The image must come from save(). load() checks ranges, not geometry, and
   // returns false for an image that cannot be a triangulation.

@@ -128,6 +128,7 @@ Status add_list(const std::string& list, bool recursive, Spool& spool, std::vect
 }  // namespace
 
 Result<bool> is_result_folder(const fs::path& folder) {
+  if (const auto named = named_version(folder)) return is_there(manifest_file(named->out));
   for (const auto& inside : {run_folder(folder), lock_folder(folder)}) {
     BOOST_OUTCOME_TRY(there, is_folder(inside));
     if (there) return true;

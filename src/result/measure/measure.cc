@@ -158,7 +158,7 @@ void finish(const Measures& measures, std::vector<ResultColumn>& columns, Measur
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
   BOOST_OUTCOME_TRYV(check_measure_options(options));
   // Also when the columns exist: this removes what an ended writer has left, and older versions.
-  BOOST_OUTCOME_TRY(next, NewVersion::begin(out, options.lock));
+  BOOST_OUTCOME_TRY(next, NewVersion::begin(out, {.lock = options.lock, .keep = {}}));
   const Manifest& manifest = next->source().manifest();
   if ((options.voronoi || options.density) && manifest.region)
     return error(Errc::usage, out.string() + ": is a region, where not all cells around a vertex are known; " +
@@ -201,7 +201,8 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
     told.columns = columns;
     tell_total(told, measured);
   }
-  BOOST_OUTCOME_TRYV(next->commit(std::move(columns)));
+  BOOST_OUTCOME_TRYV(next->commit(
+      std::move(columns), {.inputs = {}, .command = options.command, .software_version = options.software_version}));
   return measured;
 }
 

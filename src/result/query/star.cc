@@ -71,7 +71,7 @@ bool is_closed(const QueryTile& tile, std::int32_t vertex, const std::vector<std
 // The kept point of a duplicate; nothing if the point is no duplicate.
 Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const Manifest& manifest, PointId id) {
   if (manifest.duplicates == 0) return std::optional<PointId>{};
-  BOOST_OUTCOME_TRY(pairs, read_duplicates(out, manifest.keep));
+  BOOST_OUTCOME_TRY(pairs, read_duplicates(out, manifest));
   const auto pair = std::lower_bound(pairs.begin(), pairs.end(), DuplicatePair{id, PointId{0}});
   if (pair == pairs.end() || pair->duplicate != id) return std::optional<PointId>{};
   return std::optional(pair->kept);

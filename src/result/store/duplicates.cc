@@ -44,11 +44,26 @@ Result<WrittenPairs> write_duplicates(const fs::path& out, DuplicateSort& pairs)
   return written;
 }
 
+Result<WrittenPairs> write_pairs(const fs::path& file, const fs::path& final_name,
+                                 std::span<const DuplicatePair> pairs) {
+  BOOST_OUTCOME_TRY(writer, DirectWriter::create(file, final_name));
+  BOOST_OUTCOME_TRYV(writer.append(std::as_bytes(pairs)));
+  BOOST_OUTCOME_TRY(whole, writer.finish());
+  return WrittenPairs{pairs.size(), whole.xxh3};
+}
+
 }  // namespace store
 
-Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, DuplicatePolicy keep) {
+fs::path duplicates_of(const fs::path& out, const Manifest& manifest) {
+  return manifest.format_version < updated_format ? duplicates_file(out)
+                                                  : duplicates_file(out, manifest.duplicates_xxh3);
+}
+
+Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, const Manifest& manifest) {
   std::vector<DuplicatePair> pairs;
-  const auto path = duplicates_file(out);
+  const DuplicatePolicy keep = manifest.keep;
+  const auto path = duplicates_of(out, manifest);
+  if (manifest.format_version >= updated_format && manifest.duplicates_xxh3 == 0) return pairs;
   BOOST_OUTCOME_TRY(there, is_there(path));
   if (!there) return pairs;
   BOOST_OUTCOME_TRY(bytes, read_whole(path));

@@ -21,8 +21,6 @@ namespace tessera {
 
 namespace fs = std::filesystem;
 
-namespace {
-
 std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles) {
   Digest sum;
   for (const auto& entry : tiles) {
@@ -31,8 +29,6 @@ std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles) {
   }
   return sum;
 }
-
-}  // namespace
 
 void remove_side_files(const fs::path& out) {
   const auto folder = tiles_folder(out);

@@ -26,7 +26,6 @@ namespace {
 
 // The keys of checksums are the names of their files.
 const std::string master_key = master_file("").string();
-const std::string duplicates_key = duplicates_file("").string();
 
 // Digests of another definition have another key, and are ignored: "digest" was a hash of sorted ids.
 constexpr const char* digest_key = "digest2";
@@ -115,6 +114,16 @@ std::string partition_text(const json& value, const Manifest& manifest) {
   return json_text(json(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")}));
 }
 
+// In format 5 the name of the file has the checksum of the file.
+void read_duplicates_sum(const json& sums, Manifest& manifest) {
+  for (const auto& [name, sum] : sums.items()) {
+    if (!is_duplicates_name(name)) continue;
+    manifest.duplicates_xxh3 = to_sum(sum);
+    if (duplicates_of("", manifest).string() != name)
+      throw json::other_error::create(501, "'" + name + "' is not the name of the duplicates", &sums);
+  }
+}
+
 Manifest to_manifest(const json& value) {
   Manifest manifest;
   manifest.format_version = static_cast<int>(to_count(value.at("format_version")));
@@ -159,8 +168,7 @@ Manifest to_manifest(const json& value) {
   if (value.contains("keep")) manifest.keep = to_kept_point(value.at("keep"));
   manifest.digest = to_digest(value);
   manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key));
-  if (value.at("checksums").contains(duplicates_key))
-    manifest.duplicates_xxh3 = to_sum(value.at("checksums").at(duplicates_key));
+  read_duplicates_sum(value.at("checksums"), manifest);
   manifest.seconds = value.at("seconds").get<std::map<std::string, double>>();
   manifest.figures = value.at("figures").get<std::map<std::string, double>>();
   return manifest;
@@ -196,7 +204,8 @@ std::string manifest_to_text(const Manifest& manifest) {
   if (manifest.keep != DuplicatePolicy::first) value["keep"] = name_of(manifest.keep);
   if (manifest.digest) value[digest_key] = digest_text(*manifest.digest);
   value["checksums"][master_key] = checksum_text(manifest.master_xxh3);
-  if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);
+  if (manifest.duplicates_xxh3 != 0)
+    value["checksums"][duplicates_of("", manifest).string()] = checksum_text(manifest.duplicates_xxh3);
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
   // A path may be any bytes; bytes that are not UTF-8 become U+FFFD instead of an exception.

@@ -182,8 +182,13 @@ Result<Manifest> read_manifest(const std::filesystem::path& out);
 Error no_manifest(const std::filesystem::path& out);
 // Parses the bytes of a manifest; `path` is for errors.
 Result<Manifest> parse_manifest(const std::filesystem::path& path, std::span<const std::byte> bytes);
-// Reads duplicates.bin. `keep` is the policy in the manifest. Error corrupt when the policy cannot give such pairs.
-Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, DuplicatePolicy keep);
+// The file of the duplicates, which exists if the manifest has a checksum of it.
+std::filesystem::path duplicates_of(const std::filesystem::path& out, const Manifest& manifest);
+// Reads the duplicates of the version of a result that the manifest describes. Error corrupt when the policy in the
+// manifest cannot give such pairs.
+Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, const Manifest& manifest);
+// The sum of the digests of the tiles; nothing when a tile has none.
+std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles);
 // The columns of the cells, in the order in which tile files have them.
 std::vector<Attribute> cell_schema_of(const Manifest& manifest);
 // The range of the heights of all vertices; nothing when no tile has one.

@@ -64,11 +64,14 @@ Status check_master(const TileSource& source) {
   return corrupt(path, "is not the master file of the tiles in the manifest");
 }
 
-// Beside the tiles of this version there may be tiles of older versions, and of a version that was never completed.
-Status check_listed(const TileSource& source) {
+// Beside the tiles of this version there may be tiles of older and newer versions, and of a version that was never
+// completed.
+Status check_listed(const TileSource& source, const Manifest& current) {
   const Manifest& manifest = source.manifest();
+  const std::uint32_t newest = std::max(current.version, manifest.version);
   const auto folder = tiles_folder(source.folder());
   std::set<fs::path> names = result::tile_names(manifest);
+  names.merge(result::tile_names(current));
   BOOST_OUTCOME_TRY(olds, result::old_versions(source.folder()));
   for (const auto& old : olds) {
     BOOST_OUTCOME_TRY(bytes, read_whole(old.file));
@@ -78,7 +81,7 @@ Status check_listed(const TileSource& source) {
   FolderReader reader(folder);
   while (const char* entry = reader.next()) {
     const fs::path name(entry);
-    const bool unfinished = version_of_tile_file(name).value_or(0) > manifest.version;
+    const bool unfinished = version_of_tile_file(name).value_or(0) > newest;
     if (kind_of_tile_file(name) && !names.contains(name) && !unfinished)
       return corrupt(folder / name, "is not a tile of the manifest");
   }
@@ -92,15 +95,19 @@ Status check_listed(const TileSource& source) {
 Status check_files(const TileSource& source) {
   const fs::path& out = source.folder();
   const Manifest& manifest = source.manifest();
-  BOOST_OUTCOME_TRYV(check_master(source));
-  const auto duplicates = duplicates_file(out);
+  BOOST_OUTCOME_TRY(current, read_manifest(out));
+  if (current.version == manifest.version) {  // the master file is that of the newest version
+    BOOST_OUTCOME_TRYV(check_master(source));
+  }
   if (manifest.duplicates_xxh3 != 0) {
-    BOOST_OUTCOME_TRYV(check_sum(duplicates, manifest.duplicates_xxh3, data_sum_of(manifest.format_version)));
-  } else {
+    BOOST_OUTCOME_TRYV(
+        check_sum(duplicates_of(out, manifest), manifest.duplicates_xxh3, data_sum_of(manifest.format_version)));
+  } else if (manifest.format_version < updated_format) {  // later, the file may be of another version
+    const auto duplicates = duplicates_file(out);
     BOOST_OUTCOME_TRY(there, is_there(duplicates));
     if (there) return corrupt(duplicates, "has no checksum in the manifest");
   }
-  return check_listed(source);
+  return check_listed(source, current);
 }
 
 Result<TileMesh> open_tile(const TileSource& source, std::size_t index) {

@@ -8,9 +8,10 @@
 
 namespace tessera {
 
-// Checks that the master file and duplicates.bin have their checksums; that the master file is, byte for byte, what the
-// manifest determines, or the master file of the version before, which may remain after an interrupted change; and that
-// no tile file and no duplicates.bin exists that no version knows. Error corrupt names the file.
+// Checks that the master file and the list of duplicates have their checksums; that the master file is, byte for byte,
+// what the manifest determines, or the master file of the version before, which may remain after an interrupted change;
+// and that no tile file exists that no version knows. Of an older version, the master file is not checked, because it
+// belongs to the newest one. Error corrupt names the file.
 Status check_files(const TileSource& source);
 
 // Reads the `i`-th tile, and checks its checksum and everything that the manifest says of it. Error not_delaunay when

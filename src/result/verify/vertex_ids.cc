@@ -19,7 +19,7 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
                  std::to_string(duplicates.size()));
   // They ascend. A pair with a number beyond all points could hide that a point was lost.
   if (!duplicates.empty() && duplicates.back().duplicate.value >= manifest.points_read)
-    return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " +
+    return error(Errc::not_delaunay, duplicates_of(source.folder(), manifest).string() + ": point " +
                                          to_string(duplicates.back().duplicate) + " is not one of the " +
                                          std::to_string(manifest.points_read) + " points that were read");
   std::vector<PointId> kept;
@@ -46,16 +46,16 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
       return wrong_tile(source, vertex.tile,
                         "vertex " + to_string(vertex.id) + " is listed in duplicates.bin as a duplicate");
     if (wanted != kept.end() && *wanted < vertex.id)
-      return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " + to_string(*wanted) +
-                                           " was kept for a duplicate, but is not a vertex");
+      return error(Errc::not_delaunay, duplicates_of(source.folder(), manifest).string() + ": point " +
+                                           to_string(*wanted) + " was kept for a duplicate, but is not a vertex");
     while (wanted != kept.end() && *wanted == vertex.id) ++wanted;
     last = vertex;
     ++vertices;
     return success();
   }));
   if (wanted != kept.end())
-    return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " + to_string(*wanted) +
-                                         " was kept for a duplicate, but is not a vertex");
+    return error(Errc::not_delaunay, duplicates_of(source.folder(), manifest).string() + ": point " +
+                                         to_string(*wanted) + " was kept for a duplicate, but is not a vertex");
   if (vertices != manifest.vertices)
     return wrong("counts " + std::to_string(manifest.vertices) + " vertices, but the tiles own " +
                  std::to_string(vertices));

@@ -17,6 +17,7 @@
 #include "src/result/terrain/cell_raster.h"
 #include "src/result/terrain/cog_file.h"
 #include "src/result/terrain/grid.h"
+#include "src/result/tile_source.h"
 #include "src/result/volume/box_tree.h"
 #include "src/result/volume/polygons.h"
 
@@ -205,7 +206,8 @@ Result<Dem> write_difference(const fs::path& a, const std::optional<fs::path>& b
                              bool overwrite, const VolumeOptions& options, std::stop_token stop) {
   BOOST_OUTCOME_TRYV(check_volume_options(b.has_value(), options));
   BOOST_OUTCOME_TRYV(check_dem_target(target, overwrite));
-  BOOST_OUTCOME_TRY(manifest, read_manifest(a));
+  BOOST_OUTCOME_TRY(source, TileSource::open(a));
+  const Manifest& manifest = source.manifest();
   std::optional<Bounds> box = manifest.bounds;
   std::unique_ptr<volume::Heights> lower;
   if (options.plane) lower = std::make_unique<volume::LevelHeights>(*options.plane);
@@ -218,9 +220,9 @@ Result<Dem> write_difference(const fs::path& a, const std::optional<fs::path>& b
     lower = std::make_unique<volume::BaseHeights>(std::move(polygons));
   }
   if (b) {
-    BOOST_OUTCOME_TRY(other, read_manifest(*b));
-    BOOST_OUTCOME_TRYV(check_same_system(a, manifest.crs, *b, other.crs));
-    box = volume::common(*box, other.bounds);
+    BOOST_OUTCOME_TRY(other, TileSource::open(*b));
+    BOOST_OUTCOME_TRYV(check_same_system(a, manifest.crs, *b, other.manifest().crs));
+    box = volume::common(*box, other.manifest().bounds);
   }
   if (!box)
     return error(Errc::usage,

@@ -93,7 +93,7 @@ std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& trian
   }
   add([&](const fs::path& out) { return master_file(out); }, {}, manifest.master_xxh3, ChecksumOf::bytes);
   if (manifest.duplicates_xxh3 != 0) {
-    add([](const fs::path& out) { return duplicates_file(out); }, {}, manifest.duplicates_xxh3,
+    add([&](const fs::path& out) { return duplicates_of(out, manifest); }, {}, manifest.duplicates_xxh3,
         data_sum_of(manifest.format_version));
   }
   return list;

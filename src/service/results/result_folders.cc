@@ -38,7 +38,7 @@ std::string identity(const struct stat& status) {
 // The file's checksum in the manifest; empty when the manifest has none.
 std::string checksum_in(const Manifest& manifest, const fs::path& path) {
   if (path == master_file("")) return checksum_text(manifest.master_xxh3);
-  if (path == duplicates_file("")) return checksum_text(manifest.duplicates_xxh3);
+  if (path == duplicates_of("", manifest)) return checksum_text(manifest.duplicates_xxh3);
   for (const auto& entry : manifest.tiles)
     if (path == tile_file("", entry)) return checksum_text(entry.xxh3);
   return "";

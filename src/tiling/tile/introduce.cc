@@ -201,9 +201,9 @@ void TileTriangulation::quote(Vertex v, TileId tile) {
 void TileTriangulation::share_with_all() {
   if (fresh_) fresh_->learn_all();
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
-    if (is_local(v)) continue;
+    if (is_local(v) || !kernel_->alive(v)) continue;
     for (Vertex w = 1; w <= kernel_->vertices(); ++w) {
-      if (w != v) send(w, owners_[v]);
+      if (w != v && kernel_->alive(w)) send(w, owners_[v]);
     }
   }
 }

@@ -1,6 +1,7 @@
 #include "src/tiling/tile/tile_triangulation.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -59,30 +60,255 @@ Status TileTriangulation::triangulate_changed(const ChangedTile& changed, KeepPo
     stop_check_.step();
     BOOST_OUTCOME_TRYV(add_foreign(p, true, around_));
   }
-  if (changed.common && needs(*changed.common, changed)) {
-    SharedPoint common = *changed.common;
-    common.told = 0;
-    BOOST_OUTCOME_TRY(v, add_foreign(common, true, around_));
-    if ((changed.common->told & fresh_bit) != 0) fresh_->learn(v);
+  if (changed.common) {
+    BOOST_OUTCOME_TRYV(know_common(*changed.common));
   }
   due_ = kernel_->vertices() + 1;
   counts_ = {};
   return success();
 }
 
+Status TileTriangulation::know_common(const SharedPoint& common) {
+  if (!needs(common)) return success();
+  SharedPoint plain = common;
+  plain.told = 0;
+  BOOST_OUTCOME_TRY(v, add_foreign(plain, true, around_));
+  if ((common.told & fresh_bit) != 0) fresh_->learn(v);
+  due_ = kernel_->vertices() + 1;
+  return success();
+}
+
 // A tile needs the common point when none of its foreign points is nearer to it than all of its own. When rounding
 // leaves that open, the tile takes the common point: to know a point more is never wrong.
-bool TileTriangulation::needs(const SharedPoint& common, const ChangedTile& changed) const {
+bool TileTriangulation::needs(const SharedPoint& common) const {
   constexpr double rounding = 1e-9, underflow = 1e-280;
   if (common.tile == options_.self || foreign_.contains(common.id)) return false;
-  const auto squared = [&](const Point& p) {
-    const double x = p.x - common.at.x, y = p.y - common.at.y, z = p.z - common.at.z;
-    return x * x + y * y + z * z;
-  };
   double own = std::numeric_limits<double>::infinity(), other = own;
-  for (const Point& p : changed.points) own = std::min(own, squared(p));
-  for (const SharedPoint& p : changed.foreign) other = std::min(other, squared(p.at));
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (!kernel_->alive(v)) continue;
+    const Point p = kernel_->point(v);
+    const double x = p.x - common.at.x, y = p.y - common.at.y, z = p.z - common.at.z;
+    double& least = is_local(v) ? own : other;
+    least = std::min(least, x * x + y * y + z * z);
+  }
   return !(own > underflow && other < own * (1 - rounding));
+}
+
+void TileTriangulation::settle() {
+  if (ids_.empty()) build({}, {}, KeepPoints::copied);
+  if (local_.empty()) {
+    for (Vertex v = 1; v < ids_.size(); ++v) {
+      if (is_local(v) && kernel_->alive(v)) local_[ids_[v]] = v;
+    }
+  }
+  if (options_.left_out != LeftOut::forgotten_sent) {
+    known_ = KnownByMessage(options_.around);
+    known_.set_vertices(ids_.size());
+  }
+  if (options_.left_out != LeftOut::forgotten_fresh) fresh_.reset();
+  refused_.clear();
+  updates_.clear();
+  refused_updates_.clear();
+  for (auto at = foreign_.begin(); at != foreign_.end() && options_.left_out != LeftOut::forgotten_refused;) {
+    at = at->second == 0 ? foreign_.erase(at) : std::next(at);
+  }
+  counts_ = {};
+  seeded_ = true;
+  due_ = live_from_ = kernel_->vertices() + 1;
+}
+
+Vertex TileTriangulation::vertex_of(PointId id) const {
+  if (const auto own = local_.find(id); own != local_.end()) return own->second;
+  const auto other = foreign_.find(id);
+  return other == foreign_.end() ? 0 : other->second;
+}
+
+// Numbers of removed vertices are not used again, so a tile is built again, too, when most of its numbers are unused.
+Result<LiveChange> TileTriangulation::change(std::span<const PointId> removed, std::span<const LocalPoint> added) {
+  check(is_settled(), "a live tile is settled before it is changed");
+  LiveChange out;
+  std::vector<std::uint8_t> gone(ids_.size()), fresh(ids_.size());  // by vertex
+  for (Vertex v = 1; fresh_ && v < ids_.size(); ++v) fresh[v] = fresh_->has(v) ? 1 : 0;
+  std::vector<Vertex> to_remove;
+  for (const PointId id : removed) {
+    const Vertex v = vertex_of(id);
+    if (v == 0 || std::exchange(gone[v], std::uint8_t{1}) != 0) continue;
+    to_remove.push_back(v);
+    out.lost |= is_local(v);
+    kernel_->neighbours(v, around_);
+    for (const Vertex w : around_) fresh[w] = is_local(w) ? 1 : 0;
+  }
+  for (const Vertex v : to_remove) {
+    fresh[v] = 0;
+    (is_local(v) ? local_ : foreign_).erase(ids_[v]);
+  }
+  const std::size_t living = local_.size() + foreign_.size();
+  if (to_remove.size() * options_.rebuilt_from > living || ids_.size() - 1 > 2 * living + added.size() + 64) {
+    BOOST_OUTCOME_TRYV(build_again(gone, fresh));
+  } else {
+    for (const Vertex v : to_remove) {
+      stop_check_.step();
+      kernel_->remove(v);
+    }
+  }
+  live_from_ = kernel_->vertices() + 1;
+  for (const LocalPoint& p : added) {
+    stop_check_.step();
+    const Insertion made = kernel_->insert(p.at, true, InsertMode::always, around_);
+    if (!made.inserted) {
+      if (!is_local(made.vertex)) return refuse(options_.self, {p.at, p.id, options_.self, 0});
+      out.duplicates.emplace_back(p.id, ids_[made.vertex]);
+      continue;
+    }
+    ids_.push_back(p.id);
+    owners_.push_back(options_.self);
+    known_.add_vertex(0);
+    fresh.push_back(1);
+    local_[p.id] = made.vertex;
+  }
+  out.begins = std::any_of(fresh.begin(), fresh.end(), [](std::uint8_t f) { return f != 0; });
+  fresh_.emplace(std::span(fresh).subspan(1));
+  due_ = kernel_->vertices() + 1;
+  return out;
+}
+
+// Drops the foreign vertices that are in none of the tile's cells.
+Status TileTriangulation::build_again(const std::vector<std::uint8_t>& gone, std::vector<std::uint8_t>& fresh) {
+  std::vector<std::uint8_t> kept(ids_.size());
+  if (kernel_->dimension() == options_.dimension) {
+    kernel_->edges_from(1, [&](Vertex v, Vertex w) {
+      kept[w] |= is_local(v) ? 1 : 0;
+      kept[v] |= is_local(w) ? 1 : 0;
+    });
+  }
+  std::vector<Point> points;
+  std::vector<PointId> ids;
+  std::vector<std::uint8_t> is_fresh(1);
+  std::vector<SharedPoint> foreign;
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (!kernel_->alive(v) || gone[v] != 0) continue;
+    if (is_local(v)) {
+      points.push_back(kernel_->point(v));
+      ids.push_back(ids_[v]);
+      is_fresh.push_back(fresh[v]);
+    } else if (kept[v] != 0) {
+      foreign.push_back({kernel_->point(v), ids_[v], owners_[v], 0});
+    }
+  }
+  foreign_.clear();
+  local_.clear();
+  build(points, ids, KeepPoints::copied);
+  for (Vertex v = 1; v < ids_.size(); ++v) local_[ids_[v]] = v;
+  for (const SharedPoint& p : foreign) {
+    stop_check_.step();
+    BOOST_OUTCOME_TRYV(add_foreign(p, true, around_));
+  }
+  fresh = std::move(is_fresh);
+  fresh.resize(ids_.size());
+  counts_ = {};
+  return success();
+}
+
+Status TileTriangulation::know(std::span<const SharedPoint> points) {
+  for (const SharedPoint& p : points) {
+    stop_check_.step();
+    if (p.tile == options_.self || foreign_.contains(p.id)) continue;
+    BOOST_OUTCOME_TRYV(add_foreign({p.at, p.id, p.tile, 0}, true, around_));
+  }
+  due_ = kernel_->vertices() + 1;
+  return success();
+}
+
+std::vector<SharedPoint> TileTriangulation::affected(std::size_t most) const {
+  std::vector<Vertex> all;
+  for (Vertex v = 1; v < live_from_; ++v) {
+    if (is_local(v) && fresh_->has(v)) all.push_back(v);
+  }
+  const std::size_t stride = (all.size() + most - 1) / most;
+  std::vector<SharedPoint> out;
+  for (std::size_t k = 0; k < all.size(); k += stride) {
+    out.push_back({kernel_->point(all[k]), ids_[all[k]], options_.self, 0});
+  }
+  return out;
+}
+
+std::optional<SharedPoint> TileTriangulation::old_point() const {
+  for (Vertex v = 1; v < live_from_; ++v) {
+    if (is_local(v) && kernel_->alive(v)) return SharedPoint{kernel_->point(v), ids_[v], options_.self, 0};
+  }
+  return std::nullopt;
+}
+
+SharedPoint TileTriangulation::new_point() const {
+  const Vertex v = local_.begin()->second;
+  return {kernel_->point(v), ids_[v], options_.self, fresh_bit};
+}
+
+Bounds TileTriangulation::changed() const {
+  Bounds out;
+  std::vector<Vertex> around;
+  for (Vertex v = 1; fresh_ && v < ids_.size(); ++v) {
+    if (!is_local(v) || !kernel_->alive(v) || !fresh_->has(v)) continue;
+    out.add(kernel_->point(v));
+    kernel_->neighbours(v, around);
+    for (const Vertex w : around) out.add(kernel_->point(w));
+  }
+  return out;
+}
+
+std::unique_ptr<TileTriangulation> TileTriangulation::clone() const {
+  check(is_settled(), "a live tile is settled before it is copied");
+  auto copy = std::make_unique<TileTriangulation>(options_);
+  copy->kernel_ = kernel_->clone();
+  copy->ids_ = ids_;
+  copy->owners_ = owners_;
+  copy->foreign_ = foreign_;
+  copy->local_ = local_;
+  copy->known_ = known_;
+  copy->fresh_ = fresh_;
+  copy->seeded_ = true;
+  copy->due_ = due_;
+  copy->live_from_ = live_from_;
+  return copy;
+}
+
+std::vector<LocalPoint> TileTriangulation::own() const {
+  std::vector<LocalPoint> out;
+  out.reserve(local_.size());
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (is_local(v) && kernel_->alive(v)) out.push_back({kernel_->point(v), ids_[v]});
+  }
+  return out;
+}
+
+TileMesh TileTriangulation::mesh(std::span<const LocalPoint> order) const {
+  CollectInput input{.dimension = options_.dimension,
+                     .self = options_.self,
+                     .points = {},
+                     .ids = {},
+                     .cells = {},
+                     .fill = {},
+                     .foreign = {},
+                     .finals = {},
+                     .stop = options_.stop};
+  std::vector<Vertex> to(ids_.size());
+  for (const LocalPoint& p : order) {
+    input.points.push_back(p.at);
+    input.ids.push_back(p.id);
+    to[local_.at(p.id)] = static_cast<Vertex>(input.ids.size());
+  }
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (is_local(v) || !kernel_->alive(v)) continue;
+    input.foreign.push_back({kernel_->point(v), ids_[v], owners_[v], 0});
+    to[v] = static_cast<Vertex>(input.ids.size() + input.foreign.size());
+  }
+  input.cells = kernel_->clone()->take_cells();
+  for (std::size_t c = 0; c < input.cells.size(); ++c) {
+    Vertex* v = input.cells[c].vertices;
+    if (v[0] == CellRecord::gap) continue;
+    for (int i = 0; i <= options_.dimension; ++i) v[i] = to[v[i]];
+  }
+  return collect_cells(std::move(input)).whole();
 }
 
 // Also inserts a seed that was refused when a message brought it: no tile sends seeds, so images must have them.

@@ -15,6 +15,7 @@
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include <tsl/robin_map.h>
@@ -49,6 +50,10 @@ enum class LeftOut : std::uint8_t {
   refused_fresh,    // a fresh point that was refused is introduced
   answers,          // a vertex that is known, and is now told of as fresh, is answered
   replayed_quotes,  // quotes are repeated for reborn tiles
+  // And what settle() forgets:
+  forgotten_sent,
+  forgotten_fresh,
+  forgotten_refused,
 };
 
 // What a tile begins from when a stored result is changed (docs/updates-design.md).
@@ -60,6 +65,13 @@ struct ChangedTile {
   // One point for all tiles, with its fresh bit. A point that stays, unless none does. A tile without fresh points
   // needs none.
   std::optional<SharedPoint> common = {};
+};
+
+// What a change does to a live tile itself.
+struct LiveChange {
+  bool lost = false;                                    // an own point is gone
+  bool begins = false;                                  // the tile has fresh points
+  std::vector<std::pair<PointId, PointId>> duplicates;  // added points that are equal to others: (duplicate, kept)
 };
 
 // What a tile has besides its own points and the cells that were discarded.
@@ -78,6 +90,9 @@ struct TileOptions {
   // can then only be destroyed.
   std::stop_token stop = {};
   LeftOut left_out = LeftOut::nothing;
+  // A live tile is built again when more than one in so many of its vertices go: to remove a vertex costs some five
+  // times as much as to insert one. 0: only when most of its vertex numbers are unused.
+  std::size_t rebuilt_from = 5;
 };
 
 class TileTriangulation {
@@ -152,6 +167,43 @@ class TileTriangulation {
   // afterwards.
   RestOfTile collect_rest(const Kernel::TakeVertices& told);
 
+  // The following functions are for a live tile: one that stays in memory while a result is changed again and again.
+  // It begins by triangulate_changed() without fresh points, or as a tile without points. Then each change is:
+  // settle(); change(); know() for the other points that the tile is to know from the start; receive() and introduce()
+  // until all is quiet. A live tile can be neither reduced, saved nor collected; see mesh() instead.
+  //
+  // Forgets what was told, heard and refused, and which points are fresh. Call once all is quiet.
+  void settle();
+  // Takes the vertices `removed` out, and inserts `added`, points of this tile with new ids. Ids that the tile does not
+  // know are passed over. If the tile has not been awake for some changes, `removed` has the ids of those, too.
+  // REQUIRES: settle(); of equal points in `added` the first has the least id. Hilbert order makes it fast. Error
+  // internal when a foreign vertex has the place of an added point. After an error the tile can only be destroyed.
+  Result<LiveChange> change(std::span<const PointId> removed, std::span<const LocalPoint> added);
+  // Inserts points of other tiles, all of which stay. Error internal as above.
+  Status know(std::span<const SharedPoint> points);
+  // Inserts the common point, unless the tile has one that serves as well. With its fresh bit, if all points are new.
+  Status know_common(const SharedPoint& common);
+  // At most `most` of the own points that are fresh and were there before the change, spread evenly.
+  std::vector<SharedPoint> affected(std::size_t most) const;
+  // An own point that was there before the change, if there is one.
+  std::optional<SharedPoint> old_point() const;
+  // An own point with its fresh bit, when all are new. REQUIRES: own_points() > 0, no old_point().
+  SharedPoint new_point() const;
+  // The bounds of the fresh own points and of all their neighbours: each new cell of the whole triangulation lies in
+  // these bounds of some tile. Empty before change(), and after settle().
+  Bounds changed() const;
+  // Returns a copy. REQUIRES: settle().
+  std::unique_ptr<TileTriangulation> clone() const;
+  // The vertex of a point, or 0. REQUIRES: a live tile.
+  Vertex vertex_of(PointId id) const;
+  bool is_own(Vertex v) const { return is_local(v); }
+  TileId owner(Vertex v) const { return owners_[v]; }
+  std::size_t own_points() const { return local_.size(); }
+  std::vector<LocalPoint> own() const;
+  const Kernel& kernel() const { return *kernel_; }
+  // The cells with a vertex of this tile. `order`: the own points, in Hilbert order. REQUIRES: not flat.
+  TileMesh mesh(std::span<const LocalPoint> order) const;
+
   const ExchangeCounts& counts() const { return counts_; }
   std::size_t memory() const;
   int kernel_dimension() const { return kernel_->dimension(); }
@@ -183,7 +235,11 @@ class TileTriangulation {
   void introduce_refused(const Refused& r);
   void share_with_all();
   void build(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep);
-  bool needs(const SharedPoint& common, const ChangedTile& changed) const;
+  bool needs(const SharedPoint& common) const;
+  bool is_settled() const {
+    return seeded_ && !handed_out_ && due_ == ids_.size() && (!fresh_ || options_.left_out == LeftOut::forgotten_fresh);
+  }
+  Status build_again(const std::vector<std::uint8_t>& gone, std::vector<std::uint8_t>& fresh);
   Status receive_changed(TileId from, SharedPoint p);
   bool is_fresh(Vertex v) const { return !fresh_ || fresh_->has(v); }
   void quote(Vertex v, TileId tile);
@@ -211,6 +267,8 @@ class TileTriangulation {
   std::vector<TileId> owners_;
   std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: the rank is vertex - 1
   tsl::robin_map<PointId, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 if it was refused
+  tsl::robin_map<PointId, Vertex, MixHash> local_;    // of a live tile: its own points by id
+  Vertex live_from_ = 1;                              // of a live tile: the first vertex that this change has added
   KnownByMessage known_;
   std::optional<FreshPoints> fresh_;      // while a stored result is changed
   tsl::robin_map<Vertex, double> seeds_;  // which vertices are seeds, and their reach

@@ -12,6 +12,7 @@
 #include <array>
 #include <cassert>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -190,6 +191,17 @@ class CgalKernel final : public Kernel {
   std::uint64_t discard(const std::function<bool(const Vertex*)>&, const TakeVertices&) override {
     check(false, "this kernel cannot discard cells");
     return 0;
+  }
+
+  std::unique_ptr<Kernel> clone() const override {
+    auto copy = std::make_unique<CgalKernel>();
+    check(copy->load(save()), "a kernel loads what it saved");
+    return copy;
+  }
+  std::uint32_t rows() const override { return 0; }
+  CellRecord row(std::uint32_t) const override {
+    check(false, "this kernel has no rows");
+    return {};
   }
 
   KernelImage save() const override {

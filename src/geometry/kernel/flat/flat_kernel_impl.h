@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "src/base/check.h"
@@ -18,7 +19,7 @@ namespace tessera::flat {
 template <class Mesh>
 class FlatKernel final : public Kernel {
  public:
-  explicit FlatKernel(const FlatOptions& options) : mesh_(options) { reset(); }
+  explicit FlatKernel(const FlatOptions& options) : options_(options), mesh_(options) { reset(); }
 
   int max_dimension() const override { return Mesh::dimension; }
   int dimension() const override { return mesh_.spanned(); }
@@ -40,6 +41,9 @@ class FlatKernel final : public Kernel {
   bool can_freeze() const override { return true; }
   FinalCells freeze(const std::function<bool(const Vertex*)>& is_final) override;
   std::uint64_t discard(const std::function<bool(const Vertex*)>& is_final, const TakeVertices& told) override;
+  std::unique_ptr<Kernel> clone() const override;
+  std::uint32_t rows() const override { return static_cast<std::uint32_t>(mesh_.cells.size()); }
+  CellRecord row(std::uint32_t number) const override;
   KernelImage save() const override;
   bool load(const KernelImage& image) override;
   std::size_t memory() const override { return mesh_.memory() + labels_.capacity() + sizeof(*this); }
@@ -62,6 +66,7 @@ class FlatKernel final : public Kernel {
   // of both.
   std::vector<Index> mark_open(const std::function<bool(const Vertex*)>& is_final);
 
+  FlatOptions options_;
   Mesh mesh_;
   std::vector<std::uint8_t> labels_;  // by vertex; [0] is the infinite vertex: alive and not local
 };
@@ -155,6 +160,24 @@ void FlatKernel<Mesh>::remove(Vertex v) {
   if (still_full) return;
   mesh_.drop_cells();
   span();
+}
+
+template <class Mesh>
+std::unique_ptr<Kernel> FlatKernel<Mesh>::clone() const {
+  auto copy = std::make_unique<FlatKernel>(options_);
+  copy->mesh_.copy(mesh_);
+  copy->labels_ = labels_;
+  return copy;
+}
+
+template <class Mesh>
+CellRecord FlatKernel<Mesh>::row(std::uint32_t number) const {
+  CellRecord out{};
+  const Cell& c = mesh_.cells[number];
+  std::copy(c.v, c.v + corners, out.vertices);
+  std::copy(c.n, c.n + corners, out.neighbors);
+  if (c.dead()) out.vertices[0] = CellRecord::gap;
+  return out;
 }
 
 template <class Mesh>

@@ -65,6 +65,8 @@ class MeshBase {
   // cells and of their neighbours is frozen.
   bool remove(Vertex v);
 
+  // Becomes a copy of a mesh without frozen cells.
+  void copy(const Mesh& other);
   // Moves the cells out of the mesh. adopt() must follow.
   Array<Cell> take_cells();
   // Replaces the cells by `others`, cells of the same vertices. `frozen` is the number of cells that were handed out

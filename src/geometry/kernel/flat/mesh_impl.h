@@ -103,6 +103,22 @@ Index MeshBase<Mesh, Cell>::incident(Vertex v) const {
   return slot;
 }
 
+// Has room for some more points, as a copy is made to be changed.
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::copy(const Mesh& other) {
+  check(other.frozen_ == 0, "a kernel with frozen cells is not copied");
+  drop_cells();
+  points.copy(other.points);
+  const std::size_t n = other.cells.size();
+  cells.reserve(n + n / 8 + 64);
+  cells.resize(n);
+  std::copy(other.cells.data(), other.cells.data() + n, cells.data());
+  free_ = other.free_;
+  simplex_ = other.simplex_;
+  spanned_ = other.spanned_;
+  last_ = other.last_;
+}
+
 template <class Mesh, class Cell>
 Array<Cell> MeshBase<Mesh, Cell>::take_cells() {
   return std::move(cells);

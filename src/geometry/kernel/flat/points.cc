@@ -29,6 +29,14 @@ void Points::copy(std::span<const Point> points) {
   low_ = high_ = before(own_.data());
 }
 
+void Points::copy(const Points& other) {
+  own_.clear();
+  own_.resize(other.size_);
+  for (Vertex v = 1; v <= other.size_; ++v) own_[v - 1] = other[v];
+  size_ = borrowed_ = other.size_;
+  low_ = high_ = before(own_.data());
+}
+
 void Points::own() {
   if (own_.size() < size_) copy({low_ + 1, size_});
 }

@@ -20,6 +20,7 @@ class Points {
   Vertex most() const { return most_; }
   void borrow(std::span<const Point> points);
   void copy(std::span<const Point> points);
+  void copy(const Points& other);
   // Copies borrowed points, so that all points stay in one piece when more are added.
   void own();
   Vertex add(Point p);

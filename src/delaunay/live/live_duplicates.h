@@ -1,0 +1,36 @@
+// The points of a live result that have the coordinates of a vertex and are none themselves.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "src/base/ids.h"
+#include "src/result/store/tile_store.h"
+
+namespace tessera {
+
+// Not thread-safe.
+class LiveDuplicates {
+ public:
+  LiveDuplicates() = default;
+  explicit LiveDuplicates(std::span<const DuplicatePair> pairs);
+  bool has(PointId id) const { return kept_.contains(id); }
+  // The duplicates of a vertex, ascending; null if there are none.
+  const std::set<PointId>* of(PointId kept) const;
+  void add(PointId duplicate, PointId kept);
+  void remove(PointId duplicate);
+  // Vertex `kept` goes. Its first duplicate, `heir`, takes its place, and has the others from now on.
+  void inherit(PointId kept, PointId heir);
+  // Ascending.
+  std::vector<DuplicatePair> pairs() const;
+
+ private:
+  std::map<PointId, PointId> kept_;            // by duplicate
+  std::map<PointId, std::set<PointId>> also_;  // by vertex
+};
+
+}  // namespace tessera

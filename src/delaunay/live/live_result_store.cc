@@ -1,0 +1,136 @@
+// How the newest version of a live result is written.
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <numeric>
+#include <string>
+
+#include "src/base/files/folder.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
+#include "src/base/on_threads.h"
+#include "src/delaunay/live/live_result.h"
+#include "src/delaunay/live/live_writer.h"
+#include "src/result/new_version.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+// The digest is known before the version is made, as the sum of those of its tiles.
+std::optional<Digest> LiveResult::digest_with(const std::vector<TileEntry>& written) const {
+  Digest sum;
+  bool known = true;
+  const auto add = [&](const TileEntry& entry) {
+    known &= entry.digest.has_value();
+    sum += entry.digest.value_or(Digest{});
+  };
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    if (!changed_.contains(source_.entry(i).tile)) add(source_.entry(i));
+  }
+  for (const TileEntry& entry : written) add(entry);
+  return known ? std::optional(sum) : std::nullopt;
+}
+
+Status LiveResult::checkpoint() {
+  const std::lock_guard lock(writer_);
+  if (broken_) return *broken_;
+  if (next_id_ == source_.manifest().points_read && filtered_ == 0) return success();
+  BOOST_OUTCOME_TRY(next, NewVersion::begin(source_.folder()));
+  if (next->source().manifest().version != source_.manifest().version)
+    return refuse("another program has changed the result while it was kept in memory");
+  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(next->scratch())));
+  const auto version = current();
+  LiveWriter writer(source_, *version, rows_);
+  BOOST_OUTCOME_TRY(written, writer.write(changed_, next->scratch(), options_.threads));
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    const TileId tile = source_.entry(i).tile;
+    if (changed_.contains(tile) && !version->tiles()[tile.value]) next->remove_tile(i);
+  }
+  for (const TileEntry& entry : written) {
+    const fs::path file = tile_file(next->scratch(), entry);
+    const auto index = source_.find(entry.tile);
+    BOOST_OUTCOME_TRYV(index ? next->replace_tile(*index, entry, file) : next->add_tile(entry, file));
+  }
+  next->manifest().format_version = updated_format;
+  describe(next->manifest(), *version);
+  BOOST_OUTCOME_TRYV(next->replace_duplicates(duplicates_.pairs()));
+  const auto digest = digest_with(written);
+  const std::uint64_t added = next_id_ - source_.manifest().points_read;
+  Status done = digest ? log_->note_version(next->number(), *digest) : success();
+  if (done) done = next->commit({}, {.added = added, .removed = filtered_});
+  next.reset();
+  if (done) done = begin_again();
+  if (!done) broken_ = error(done.error().code, done.error().where + "; " + until_opened_again);
+  return done;
+}
+
+// After the newest version was stored: with a log of its own, which has nothing yet.
+Status LiveResult::begin_again() {
+  const fs::path& out = source_.folder();
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  log_.reset();
+  BOOST_OUTCOME_TRY(log, LiveLog::open(out, source.manifest(), [&](std::uint64_t, const ResultChange&) -> Status {
+                      return error(Errc::corrupt, out.string() + ": the log of the new version is not empty");
+                    }));
+  log_.emplace(std::move(log));
+  source_ = std::move(source);
+  changed_.clear();
+  rows_.clear();
+  filtered_ = 0;
+  return success();
+}
+
+Result<Manifest> LiveResult::write_to(const fs::path& to) const {
+  const std::lock_guard lock(writer_);
+  BOOST_OUTCOME_TRY(there, is_there(to));
+  if (there) return error(Errc::usage, to.string() + ": exists already");
+  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(to)));
+  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));
+  const auto version = current();
+  Manifest manifest = source_.manifest();
+  manifest.version = 1;
+  manifest.previous_master_xxh3.reset();
+  LiveWriter writer(source_, *version, rows_);
+  BOOST_OUTCOME_TRY(written, writer.write(changed_, folder.path(), options_.threads));
+  manifest.tiles.clear();
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    TileEntry entry = source_.entry(i);
+    if (changed_.contains(entry.tile)) continue;
+    entry.version = 1;
+    BOOST_OUTCOME_TRYV(link_or_copy(source_.file(i), tile_file(folder.path(), entry)));
+    manifest.tiles.push_back(entry);
+  }
+  manifest.tiles.insert(manifest.tiles.end(), written.begin(), written.end());
+  describe(manifest, *version);
+  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates_.pairs()));
+  BOOST_OUTCOME_TRYV(rename_file(folder.path(), to));
+  folder.keep();
+  return manifest;
+}
+
+// Removed points count as filtered: they were read, and no vertex stands for them.
+void LiveResult::describe(Manifest& manifest, const LiveVersion& version) const {
+  std::sort(manifest.tiles.begin(), manifest.tiles.end(),
+            [](const TileEntry& a, const TileEntry& b) { return a.tile < b.tile; });
+  manifest.bounds = {};
+  for (const auto& tile : version.tiles()) {
+    if (!tile) continue;
+    for (const LocalPoint& p : tile->triangulation().own()) manifest.bounds.add(p.at);
+  }
+  manifest.points_read = next_id_;
+  manifest.filtered += filtered_;
+  manifest.vertices = manifest.cells = 0;
+  for (const TileEntry& entry : manifest.tiles) {
+    manifest.vertices += entry.own_points;
+    manifest.cells += entry.main_cells;
+  }
+  manifest.seconds.clear();
+  manifest.figures.clear();
+  if (!changed_.empty()) manifest.other_heights.reset();  // results do not keep the heights of duplicates
+}
+
+}  // namespace tessera

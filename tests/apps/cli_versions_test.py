@@ -1,0 +1,236 @@
+"""tessera update without -o, tessera log and --version: versions of a result."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import threading
+import unittest
+
+import numpy as np
+from cli import BAD_INPUT, CORRUPT, TESSERA, USAGE, CliTest
+
+
+class Versions(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.random = np.random.default_rng(11)
+
+    def manifest(self, result="out"):
+        return json.loads((self.folder / result / "manifest.json").read_text())
+
+    def save(self, name, points):
+        np.save(self.folder / name, points)
+        return name
+
+    def triangulate(self, points, out="out", *args):
+        self.ok("triangulate", self.save(f"{out}.npy", points), "-o", out, "--quiet", *args)
+
+    def update(self, *args, result="out"):
+        return json.loads(self.ok("update", result, *args, "--json").splitlines()[-1])
+
+    def remove(self, *ids):
+        return ("--remove-ids", self.save("ids.npy", np.array(ids)))
+
+    def log(self, result="out"):
+        return json.loads(self.ok("log", result, "--json"))
+
+    def info(self, *args):
+        return json.loads(self.ok("info", *args, "--json"))
+
+    def tiles(self, result="out"):
+        return sorted(file.name for file in (self.folder / result / "tiles").iterdir())
+
+    def expect_as_from_scratch(self, points, dim, tiles):
+        """`points`: by source index, with NaN for points that were removed."""
+        self.triangulate(points, "scratch", "--dim", dim, "--skip-invalid", "--overwrite")
+        expected, got = self.manifest("scratch"), self.manifest()
+        for key in ("digest2", "bounds"):
+            self.assertEqual(got[key], expected[key], key)
+        for key in ("vertices", "cells", "duplicates"):
+            self.assertEqual(got["counts"][key], expected["counts"][key], key)
+        self.assertEqual(got["version"], tiles)
+        self.ok("verify", "out", "--quiet")
+
+    def test_each_change_is_a_version_that_equals_a_triangulation_from_scratch(self):
+        for dim, tiles, store in (("2", "7", "cells"), ("3", "7", "points"), ("2", "60", "points"), ("3", "1", "cells")):
+            with self.subTest(dim=dim, tiles=tiles, store=store):
+                shutil.rmtree(self.out, ignore_errors=True)
+                # Many equal points, and many on the hull.
+                cloud = self.random.integers(0, 20, (1500, int(dim))).astype(float)
+                self.triangulate(cloud[:1000], "out", "--dim", dim, "--tiles", tiles, "--store", store)
+                told = self.update("--add", self.save("more.npy", cloud[1000:]), "--keep-versions", "10")
+                self.assertEqual((told["output"], told["version"], told["first_new_id"]), ("out", 2, 1000))
+                self.expect_as_from_scratch(cloud, dim, 2)
+                gone = np.unique(self.random.integers(0, 1500, 200))
+                self.update(*self.remove(*gone), "--threads", "3")
+                left = cloud.copy()
+                left[gone] = np.nan
+                self.expect_as_from_scratch(left, dim, 3)
+                side = np.flatnonzero(left[:, 0] < 4)  # the bounds shrink, and tiles lose all points
+                self.update(*self.remove(*side))
+                left[side] = np.nan
+                self.expect_as_from_scratch(left, dim, 4)
+                self.update("--add", self.save("again.npy", cloud[:300]))  # tiles get points again
+                self.expect_as_from_scratch(np.concatenate([left, cloud[:300]]), dim, 5)
+                log = self.log()
+                self.assertEqual((log["version"], log["keep_versions"]), (5, 10))
+                for version in log["versions"]:
+                    number = version["version"]
+                    self.assertTrue(version["readable"])
+                    self.ok("verify", "out", "--version", number, "--quiet")
+                    info = self.info("out", "--version", number)
+                    for key in ("vertices", "cells", "digest", "version"):
+                        self.assertEqual(info[key], version[key], key)
+                changes = [(v["added"], v["removed"], v["input_files"]) for v in log["versions"]]
+                self.assertEqual(changes, [(1000, 0, 1), (500, 0, 1), (0, len(gone), 0), (0, len(side), 0), (300, 0, 1)])
+
+    def test_a_change_of_a_point_reads_and_writes_few_tiles(self):
+        cloud = self.random.random((30000, 2))
+        self.triangulate(cloud, "out", "--tiles", "100", "--dim", "2", "--store", "points")
+        shutil.copytree(self.out, self.folder / "copy")
+        one = self.save("one.npy", np.array([[0.5, 0.5]]))
+        told = self.update("--add", one)
+        self.assertLessEqual(told["tiles_awake"], 6)
+        entry = self.log()["versions"][-1]
+        self.assertEqual((entry["tiles_written"], entry["tiles"]), (told["tiles_changed"], 100))
+        self.expect_as_from_scratch(np.concatenate([cloud, [[0.5, 0.5]]]), "2", 2)
+        # All other files are damaged, and nobody notices.
+        near = sorted(range(100), key=lambda tile: self.distance(tile, 0.5))[:told["tiles_awake"] + 4]
+        for tile in set(range(100)) - set(near):
+            (self.folder / "copy" / "tiles" / f"{tile:06}.pts").write_bytes(b"damaged")
+        self.update("--add", one, result="copy")
+        self.assertEqual(self.manifest("copy")["digest2"], self.manifest()["digest2"])
+        # A vertex on the bounds: only tiles along one side are read.
+        lowest = int(np.argmin(cloud[:, 0]))
+        self.assertLessEqual(self.update(*self.remove(lowest))["tiles_changed"], 6)
+        left = np.concatenate([cloud, [[0.5, 0.5]]])
+        left[lowest] = np.nan
+        self.expect_as_from_scratch(left, "2", 3)
+
+    def distance(self, tile, place):
+        """Of a tile's box from (place, place)."""
+        box = self.manifest()["partition"]["boxes"][tile]
+        lo, hi = (np.array([float(v) for v in box[key]][:2]) for key in ("lo", "hi"))
+        return float(np.hypot(*np.maximum(0, np.maximum(lo - place, place - hi))))
+
+    def test_old_versions_are_read_by_every_command_as_long_as_they_are_kept(self):
+        points = np.column_stack([self.random.random((400, 2)) * 10, self.random.random(400)])
+        self.triangulate(points, "out", "--dim", "2", "--attributes", "z", "--tiles", "4")
+        before = self.products(None, "before")
+        self.update(*self.remove(*range(0, 400, 7)), "--keep-versions", "2")
+        after = self.products(None, "after")
+        self.assertEqual(self.products(1, "old"), before)
+        self.assertEqual(self.products(2, "new"), after)
+        self.assertNotEqual(before, after)
+        # The path of the manifest does the same, also for two versions in one command.
+        self.assertEqual(self.info("out/.versions/000001.json")["vertices"], 400)
+        table = self.ok("volume", "out/.versions/000001.json", "out")
+        self.assertIn("volume", table)
+        for number in (3, 9):
+            self.refused(USAGE, "info", "out", "--version", number,
+                         says=f"out: version {number} does not exist; the versions 1 and 2 can be read")
+        self.update(*self.remove(1))
+        self.update(*self.remove(2))
+        self.refused(USAGE, "verify", "out", "--version", "1", says="out: version 1 is not kept any more; the versions 2, 3 and 4 can be read")
+        self.refused(USAGE, "dem", "out", "--version", "0", "--res", "1", "-o", "x.tif", says="--version")
+        self.refused(USAGE, "update", "out/.versions/000002.json", *self.remove(3), says="only the newest version can be changed")
+        self.refused(USAGE, "update", "out", *self.remove(3), "--keep-versions", "0", says="--keep-versions")
+        self.refused(USAGE, "update", "out", *self.remove(3), "--keep-versions", "2", "-o", "next", says="--keep-versions")
+
+    def products(self, version, name):
+        """What the commands make of a version, as bytes."""
+        of = ("out",) if version is None else ("out", "--version", version)
+        made = []
+        for command, *options, ending in (("dem", "--res", "0.5", ".asc"), ("contours", "--interval", "0.1", ".geojson"),
+                                          ("export", ".ply"), ("voronoi", ".csv"), ("alpha", "--alpha", "auto", ".geojson")):
+            target = self.folder / f"{name}-{command}{ending if ending != '.asc' else '.tif'}"
+            self.ok(command, *of, *options, "-o", target, "--quiet", "--overwrite")
+            made.append(re.sub(rb"(before|after|old|new)-", b"", target.read_bytes()))
+        made.append(json.loads(self.ok("query", *of, "locate", "5,5", "--json"))["cell"])
+        made.append(self.ok("query", *of, "neighbours", "3"))
+        return made
+
+    def test_the_log_tells_what_each_version_is(self):
+        self.triangulate(self.random.random((300, 3)), "out", "--tiles", "3", "--store", "points")
+        self.ok("materialise", "out", "--quiet")
+        self.update(*self.remove(4, 5), "--keep-versions", "3")
+        self.ok("measure", "out", "--volume", "--quiet")
+        versions = self.log()["versions"]
+        self.assertEqual([v["version"] for v in versions], [1, 2, 3, 4])
+        self.assertEqual([v["readable"] for v in versions], [True] * 4)
+        self.assertEqual([v["columns"] for v in versions], [[], [], [], ["volume", "star_volume"]])
+        self.assertEqual([v["command"][:2] for v in versions],
+                         [["tessera", "triangulate"], ["tessera", "materialise"], ["tessera", "update"], ["tessera", "measure"]])
+        self.assertEqual([v["vertices"] for v in versions], [300, 300, 298, 298])
+        self.assertEqual(versions[2]["digest"], versions[3]["digest"])
+        for version in versions:
+            self.assertRegex(version["time"], r"^20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+            self.assertGreater(version["bytes_written"], 1000)
+        lines = self.ok("log", "out").splitlines()
+        self.assertEqual(len(lines), 5)
+        self.assertTrue(lines[0].startswith("version  time"))
+        self.assertIn("columns volume, star_volume", lines[4])
+        self.assertIn("-2 ", lines[3])
+        self.refused(USAGE, "update", "out", *self.remove(7), says="computed column 'volume'")
+        # A result that was never changed has one version.
+        self.triangulate(self.random.random((100, 3)), "other")
+        self.assertEqual([v["added"] for v in self.log("other")["versions"]], [100])
+        (self.out / ".versions" / "log.json").write_text("no log")
+        self.refused(CORRUPT, "log", "out", says="out/.versions/log.json: is damaged")
+        self.ok("verify", "out", "--quiet")
+
+    def test_a_reader_keeps_its_version_while_others_are_written(self):
+        cloud = self.random.random((4000, 3))
+        self.triangulate(cloud, "out", "--tiles", "12", "--store", "points")
+        digest = self.manifest()["digest2"]
+        errors, stop = [], threading.Event()
+
+        def read():
+            while not stop.is_set():
+                done = self.run_tessera("verify", "out", "--json")
+                if done.returncode != 0:
+                    errors.append(done.stderr)
+
+        readers = [threading.Thread(target=read) for _ in range(2)]
+        for reader in readers:
+            reader.start()
+        for i in range(6):
+            self.update(*self.remove(*range(100 * i, 100 * i + 50)))
+        stop.set()
+        for reader in readers:
+            reader.join()
+        self.assertEqual(errors, [])
+        self.assertNotEqual(self.manifest()["digest2"], digest)
+
+    def test_a_second_updater_is_refused_or_waits(self):
+        self.triangulate(self.random.random((3000, 3)), "out", "--tiles", "5")
+        clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
+        for i in range(4):
+            self.save(f"ids{i}.npy", np.arange(10 * i, 10 * i + 10))
+        waiting = [subprocess.Popen([TESSERA, "update", "out", "--remove-ids", f"ids{i}.npy", "--wait", "--keep-versions", "9"], cwd=self.folder, env=clean, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                   for i in range(4)]
+        for one in waiting:
+            said = one.communicate(timeout=120)
+            self.assertEqual(one.returncode, 0, said)
+        manifest = self.manifest()
+        self.assertEqual((manifest["version"], manifest["counts"]["vertices"]), (5, 2960))
+        self.ok("verify", "out", "--quiet")
+        self.assertEqual([v["removed"] for v in self.log()["versions"]], [0, 10, 10, 10, 10])
+
+    def test_an_error_leaves_the_version_that_stands(self):
+        self.triangulate(self.random.random((100, 3)), "out", "--tiles", "2")
+        before = self.contents()
+        for args, status, sentence in ((self.remove(3, 1000), USAGE, "there is no point 1000 to remove"),
+                                       (("--remove-box=-1,-1,2,2",), USAGE, "no points would be left"),
+                                       (("--add", self.save("bad.npy", np.array([[0, 0, np.nan]]))), BAD_INPUT, "bad.npy")):
+            self.refused(status, "update", "out", *args, says=sentence)
+            self.assertEqual(self.contents(), before)
+
+    def contents(self):
+        return {str(p.relative_to(self.out)): p.is_dir() or p.read_bytes()
+                for p in self.out.rglob("*") if p.name != "log.json"}  # which has the time
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,218 @@
+// A result that is kept in memory is, after each batch, CGAL's triangulation of its points; and nothing else changes
+// it.
+#include "src/delaunay/live/live_result.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <limits>
+#include <thread>
+
+#include "src/result/tile_source.h"
+#include "src/result/verify/verify.h"
+#include "tests/live/live_model.h"
+#include "tests/store/sample_result.h"
+#include "tests/update/stored_cloud.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Live : public ::testing::TestWithParam<LiveCase> {
+ protected:
+  void open(unsigned threads = 1) {
+    live_.reset();
+    auto opened = LiveResult::open(folder_, {.threads = threads});
+    ASSERT_TRUE(opened) << opened.error().where;
+    live_ = std::move(opened).value();
+  }
+  // Applies the model's next batch, or sees it refused.
+  void step(LiveModel& model) {
+    const ResultChange change = model.next();
+    const auto before = live_->current();
+    const auto applied = live_->apply(change);
+    if (!model.allows(change)) {
+      EXPECT_FALSE(applied);
+      EXPECT_EQ(live_->current(), before);
+      model.skip();
+      return;
+    }
+    ASSERT_TRUE(applied) << applied.error().where;
+    EXPECT_EQ(applied.value().first_new, model.first_new());
+    EXPECT_EQ(applied.value().removed, change.remove.size());
+    model.apply(change);
+    EXPECT_EQ(model.compare(*live_->current()), "") << "at version " << model.version();
+  }
+
+  test::TemporaryFolder scratch_;
+  fs::path folder_ = scratch_.path() / "out";
+  std::unique_ptr<LiveResult> live_;
+};
+
+TEST_P(Live, IsTheTriangulationOfItsPointsAfterEachBatch) {
+  LiveModel model(GetParam(), 60, 1);
+  model.store(folder_);
+  open(2);
+  ASSERT_NE(live_, nullptr);
+  EXPECT_EQ(model.compare(*live_->current()), "");
+  for (int k = 0; k < 40; ++k) {
+    step(model);
+    if (HasFailure()) return;
+    if (k % 10 == 6) {
+      const Status made = live_->checkpoint();
+      ASSERT_TRUE(made) << made.error().where;
+      const auto proof = verify(folder_, {}, {});
+      ASSERT_TRUE(proof) << proof.error().where;
+    }
+    if (k % 5 == 4) {  // again, from the log
+      open();
+      ASSERT_NE(live_, nullptr);
+      EXPECT_EQ(model.compare(*live_->current()), "");
+    }
+  }
+  const auto written = live_->write_to(scratch_.path() / "next");
+  ASSERT_TRUE(written) << written.error().where;
+  const auto proof = verify(scratch_.path() / "next", {}, {});
+  ASSERT_TRUE(proof) << proof.error().where;
+  folder_ = scratch_.path() / "next";
+  open();
+  ASSERT_NE(live_, nullptr);
+  EXPECT_EQ(model.compare(*live_->current()), "");
+  step(model);
+}
+
+INSTANTIATE_TEST_SUITE_P(Clouds, Live,
+                         ::testing::Values(LiveCase{"uniform", 3}, LiveCase{"uniform", 2}, LiveCase{"lattice", 3},
+                                           LiveCase{"lattice", 2}, LiveCase{"lattice", 3, 12, PartitionKind::random},
+                                           LiveCase{"lattice", 2, 1},
+                                           LiveCase{"uniform", 2, 20, PartitionKind::grid, TileKind::points},
+                                           LiveCase{"lattice", 3, 5, PartitionKind::kdtree, TileKind::points, true},
+                                           LiveCase{"lattice", 2, 9, PartitionKind::kdtree, TileKind::cells, true}),
+                         [](const auto& info) {
+                           const LiveCase& c = info.param;
+                           return c.kind + std::to_string(c.dimension) + "D" + std::to_string(c.tiles) +
+                                  name_of(c.partition) + (c.store == TileKind::points ? "Points" : "") +
+                                  (c.attributes ? "Attributes" : "");
+                         });
+
+class LiveOne : public Live {};
+
+TEST_F(LiveOne, RefusesWhatCannotBeAndChangesNothing) {
+  LiveModel model({"lattice", 3}, 60, 3);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  const auto refused = [&](const ResultChange& change, const std::string& why) {
+    const auto before = live_->current();
+    const auto bytes = live_->log_bytes();
+    const auto applied = live_->apply(change);
+    ASSERT_FALSE(applied);
+    EXPECT_NE(applied.error().where.find(why), std::string::npos) << applied.error().where;
+    EXPECT_EQ(live_->current(), before);
+    EXPECT_EQ(live_->log_bytes(), bytes);
+  };
+  std::vector<PointId> all, but_three;
+  for (const auto& [id, p] : model.points()) {
+    all.push_back(id);
+    if (id.value >= 3) but_three.push_back(id);
+  }
+  refused({.remove = {PointId{0}, PointId{12345}}}, "there is no point 12345 to remove");
+  refused({.remove = all}, "no points would be left");
+  refused({.remove = but_three}, "lie in a plane");
+  refused({.add = {{0, std::numeric_limits<double>::quiet_NaN(), 0}}}, "not finite");
+  refused({.add = {{0, 0, 0}}, .rows = std::vector<std::byte>(4)}, "attributes");
+  for (int k = 0; k < 5; ++k) step(model);  // what follows is right
+}
+
+TEST_F(LiveOne, NeverUsesARemovedIdAgain) {
+  LiveModel model({"uniform", 2}, 30, 5);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  const auto one = live_->apply({.add = {{0.25, 0.5, 0}}});
+  ASSERT_TRUE(one);
+  const PointId id{one.value().first_new};
+  ASSERT_TRUE(live_->apply({.remove = {id}}));
+  open();
+  ASSERT_NE(live_, nullptr);
+  const auto two = live_->apply({.add = {{0.25, 0.5, 0}}});
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two.value().first_new, id.value + 1);
+  EXPECT_FALSE(live_->apply({.remove = {id}}));
+}
+
+TEST_F(LiveOne, DoesNotLoseALogWhenTheResultIsChangedByOthers) {
+  LiveModel model({"uniform", 2}, 30, 5);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  ASSERT_TRUE(live_->apply({.add = {{0.25, 0.5, 0}}}));
+  live_.reset();
+  ASSERT_TRUE(update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}));
+  const auto lost = LiveResult::open(folder_, {});
+  ASSERT_FALSE(lost);
+  EXPECT_NE(lost.error().where.find("000001.log: this log has changes of an older version"), std::string::npos)
+      << lost.error().where;
+}
+
+TEST_F(LiveOne, IsNotOpenedTwiceNorBeyondItsMemory) {
+  LiveModel model({"uniform", 3}, 60, 5);
+  model.store(folder_);
+  const auto small = LiveResult::open(folder_, {.memory_bytes = 1000});
+  ASSERT_FALSE(small);
+  EXPECT_NE(small.error().where.find("need more than 1 MB"), std::string::npos) << small.error().where;
+  open();
+  const auto again = LiveResult::open(folder_, {});
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().where.find("another process has this log"), std::string::npos) << again.error().where;
+}
+
+// A reader asks the stars of neighbours: all of them must have the cells of the first one.
+TEST_F(LiveOne, ReadersSeeWholeVersionsBesideWrites) {
+  LiveModel model({"uniform", 2, 9}, 300, 7);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  std::atomic<bool> done{false};
+  std::atomic<int> wrong{0}, asked{0};
+  const auto read = [&](std::uint64_t seed) {
+    while (!done || asked < 100) {
+      const auto version = live_->current();
+      const auto cell = version->locate({static_cast<double>(seed % 97) / 97, static_cast<double>(seed % 89) / 89, 0});
+      seed = seed * 6364136223846793005u + 1442695040888963407u;
+      if (!cell) continue;
+      ++asked;
+      auto wanted = cell->ids;
+      std::sort(wanted.begin(), wanted.end());
+      for (int i = 0; i < 3; ++i) {
+        const auto star = version->star(cell->ids[i]);
+        const bool there = star && std::any_of(star->begin(), star->end(), [&](const LiveCell& other) {
+                             auto ids = other.ids;
+                             std::sort(ids.begin(), ids.end());
+                             return ids == wanted;
+                           });
+        if (!there) ++wrong;
+      }
+    }
+  };
+  std::jthread one(read, 1), two(read, 2);
+  for (int k = 0; k < 200; ++k) {
+    const ResultChange change = model.next();
+    if (live_->apply(change)) {
+      model.apply(change);
+    } else {
+      model.skip();
+    }
+  }
+  done = true;
+  one.join();
+  two.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_EQ(model.compare(*live_->current()), "");
+}
+
+}  // namespace
+}  // namespace tessera::testing
