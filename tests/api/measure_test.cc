@@ -15,7 +15,7 @@ using testing::cloud;
 using testing::failure_of;
 
 TEST(MeasureOf, TheVersionBeforeCanBeOpenedByItsNumber) {
-  auto t = triangulate(cloud("uniform", 2, 200), TriangulationOptions().max_points_per_tile(50));
+  auto t = triangulate(cloud("uniform", 2, 200), TriangulationOptions().dimension(2).max_points_per_tile(50));
   t.measure(MeasureRequest().volume(true));
   const auto old = Triangulation::open(t.folder(), 1), same = Triangulation::open(t.folder(), 2);
   EXPECT_TRUE(old.columns().empty());
