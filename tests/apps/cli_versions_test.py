@@ -255,7 +255,7 @@ class Versions(CliTest):
         self.assertEqual(errors, [])
         self.assertNotEqual(self.manifest()["digest2"], digest)
 
-    def test_a_second_updater_is_refused_or_waits(self):
+    def test_updaters_that_wait_take_turns(self):
         self.triangulate(self.random.random((3000, 3)), "out", "--tiles", "5")
         clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
         for i in range(4):
@@ -269,6 +269,19 @@ class Versions(CliTest):
         self.assertEqual((manifest["version"], manifest["counts"]["vertices"]), (5, 2960))
         self.ok("verify", "out", "--quiet")
         self.assertEqual([v["removed"] for v in self.log()["versions"]], [0, 10, 10, 10, 10])
+
+    def test_a_surface_is_checked_against_the_version_that_it_was_made_of(self):
+        x, y = np.meshgrid(np.arange(12.0), np.arange(12.0))
+        ground = np.column_stack([x.ravel(), y.ravel(), np.sin(x.ravel())]) + self.random.random((144, 3)) / 10
+        self.triangulate(ground, "out", "--tiles", "3")
+        self.ok("surface", "out", "-o", "mesh.ply", "--sensor", "vertical", "--quiet")
+        self.update(*self.remove(5, 6), "--keep-versions", "2")
+        self.refused(USAGE, "verify", "mesh.ply", "--of", "out",
+                     says=("another triangulation than mesh.ply was made of", "it was made of version 1 of this result"))
+        self.ok("verify", "mesh.ply", "--of", "out", "--version", "1", "--quiet")
+        self.update(*self.remove(7))
+        self.update(*self.remove(8))
+        self.refused(USAGE, "verify", "mesh.ply", "--of", "out", says="version 1 of this result, which is not kept any more")
 
     def test_an_error_leaves_the_version_that_stands(self):
         self.triangulate(self.random.random((100, 3)), "out", "--tiles", "2")
