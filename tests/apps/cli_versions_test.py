@@ -143,13 +143,17 @@ class Versions(CliTest):
         """What the commands make of a version, as bytes."""
         of = ("out",) if version is None else ("out", "--version", version)
         made = []
-        for command, *options, ending in (("dem", "--res", "0.5", ".asc"), ("contours", "--interval", "0.1", ".geojson"),
-                                          ("export", ".ply"), ("voronoi", ".csv"), ("alpha", "--alpha", "auto", ".geojson")):
-            target = self.folder / f"{name}-{command}{ending if ending != '.asc' else '.tif'}"
+        (self.folder / "line.csv").write_text("1,1\n9,8\n")
+        for command, *options, ending in (("dem", "--res", "0.5", ".tif"), ("dem", "--res", "0.5", "--method", "natural", ".tif"),
+                                          ("contours", "--interval", "0.1", ".geojson"), ("export", ".ply"), ("voronoi", ".csv"),
+                                          ("alpha", "--alpha", "auto", ".geojson"), ("volume", "--plane", "0.5", ".csv"),
+                                          ("profile", "--line", "1,1 9,8", ".csv"), ("density", "--res", "1", ".tif")):
+            target = self.folder / f"{name}-{command}{ending}"
             self.ok(command, *of, *options, "-o", target, "--quiet", "--overwrite")
             made.append(re.sub(rb"(before|after|old|new)-", b"", target.read_bytes()))
         made.append(json.loads(self.ok("query", *of, "locate", "5,5", "--json"))["cell"])
         made.append(self.ok("query", *of, "neighbours", "3"))
+        made.append(self.ok("query", *of, "interpolate", "line.csv", "--value", "z"))
         return made
 
     def test_the_log_tells_what_each_version_is(self):
