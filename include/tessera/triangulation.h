@@ -102,8 +102,8 @@ class TESSERA_PUBLIC Triangulation {
  public:
   // Opens an existing result folder. Failure: io, corrupt.
   static Triangulation open(const std::filesystem::path& folder);
-  // Opens an older version of it, or the newest, by its number. Failure also: usage, with the versions that can be read,
-  // when this one cannot. Such a triangulation cannot be measured.
+  // Opens an older version of it, or the newest, by its number. Failure also: usage, with the versions that can be
+  // read, when this one cannot. Such a triangulation cannot be measured.
   static Triangulation open(const std::filesystem::path& folder, std::uint32_t version);
 
   // Of a triangulation that was opened by the number of its version: a path that stands for this version.

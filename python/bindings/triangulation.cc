@@ -130,7 +130,8 @@ void bind_triangulation(py::module_& module) {
   const py::call_guard<py::gil_scoped_release> without_gil;
   py::class_<Triangulation>(module, "Triangulation")
       .def_static("open", py::overload_cast<const std::filesystem::path&>(&Triangulation::open), without_gil)
-      .def_static("open", py::overload_cast<const std::filesystem::path&, std::uint32_t>(&Triangulation::open), without_gil)
+      .def_static("open", py::overload_cast<const std::filesystem::path&, std::uint32_t>(&Triangulation::open),
+                  without_gil)
       .def_property_readonly("folder", &Triangulation::folder)
       .def_property_readonly("dimension", &Triangulation::dimension)
       .def_property_readonly("vertices", &Triangulation::vertices)

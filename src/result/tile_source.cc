@@ -57,6 +57,18 @@ Result<TileSource> TileSource::open(const fs::path& out) {
   return TileSource(std::make_shared<const Inside>(Inside{folder, std::move(held.manifest), std::move(held.file)}));
 }
 
+TileSource TileSource::draft(fs::path folder, Manifest manifest) {
+  return TileSource(std::make_shared<const Inside>(Inside{std::move(folder), std::move(manifest), FileHandle{}}));
+}
+
+TileSource TileSource::without_columns() const {
+  if (manifest().columns.empty()) return *this;
+  TileSource plain(std::make_shared<const Inside>(
+      Inside{folder(), tessera::without_columns(manifest()), FileHandle{}, {inside_, &inside_->manifest}}));
+  plain.stop_ = stop_;
+  return plain;
+}
+
 std::optional<std::size_t> TileSource::find(TileId tile) const {
   const auto& all = manifest().tiles;
   const auto found = std::lower_bound(all.begin(), all.end(), tile,
@@ -92,6 +104,15 @@ std::uint64_t TileSource::work_bytes(std::size_t i) const {
 
 namespace {
 
+// The first `narrow` bytes of each row of `width` bytes.
+std::vector<std::byte> narrowed(const std::vector<std::byte>& rows, std::size_t width, std::size_t narrow) {
+  if (width == 0 || narrow == width) return rows;
+  std::vector<std::byte> out(rows.size() / width * narrow);
+  for (std::size_t i = 0; i * narrow < out.size(); ++i)
+    std::memcpy(out.data() + i * narrow, rows.data() + i * width, narrow);
+  return out;
+}
+
 // Permutes rows of `width` bytes: row i comes from `from[i]`.
 std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t width,
                                 const std::vector<std::uint32_t>& from) {
@@ -104,17 +125,28 @@ std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t 
 
 }  // namespace
 
-// Small blocks can claim many points and cells. So the numbers are compared with the manifest before memory is taken.
 Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsFields& fields) const {
+  BOOST_OUTCOME_TRY(tile, read_points_with_columns(i, fields));
+  if (inside_->whole) {
+    tile.rows = narrowed(tile.rows, row_bytes(tile.schema), row_bytes(manifest().schema));
+    tile.schema = manifest().schema;
+    tile.cell_schema.clear();
+    tile.cell_columns.clear();
+  }
+  return std::move(tile);
+}
+
+// Small blocks can claim many points and cells. So the numbers are compared with the manifest before memory is taken.
+Result<PointsTile> TileSource::read_points_with_columns(std::size_t i, const PointsFields& fields) const {
   BOOST_OUTCOME_TRY(head, read_points_head(file(i), entry(i).tile));
   const TileEntry& tile = entry(i);
   const char* found =
       head.dimension != manifest().dimension ? other_dimension
       : head.own != tile.own_points || head.own + head.foreign != tile.points || head.cells != tile.cells
           ? other_numbers
-      : head.schema() != manifest().schema               ? other_attributes
-      : head.cell_schema() != cell_schema_of(manifest()) ? other_cell_columns
-                                                         : nullptr;
+      : head.schema() != whole().schema               ? other_attributes
+      : head.cell_schema() != cell_schema_of(whole()) ? other_cell_columns
+                                                      : nullptr;
   if (found != nullptr) return error(Errc::corrupt, file(i).string() + ": " + found);
   return read_points_file(file(i), tile.tile, fields);
 }
@@ -122,8 +154,8 @@ Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsFields&
 // In the file, foreign vertices are in the order that suits a kernel; in the mesh they are sorted by id.
 Result<StoredTile> TileSource::read_points(std::size_t i, const TileFields& fields) const {
   const auto path = file(i);
-  BOOST_OUTCOME_TRY(tile,
-                    read_as_points(i, {.rows = fields.rows, .cell_columns = fields.cells && fields.cell_columns}));
+  BOOST_OUTCOME_TRY(
+      tile, read_points_with_columns(i, {.rows = fields.rows, .cell_columns = fields.cells && fields.cell_columns}));
   const std::size_t n = tile.points.size(), own = tile.own;
   std::vector<std::uint32_t> from;  // by index in the mesh
   if (fields.rows || !fields.cells) {
@@ -170,8 +202,14 @@ Result<StoredTile> TileSource::read(std::size_t i, const TileFields& fields) con
   if (bytes != entry(i).bytes)
     return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but the manifest says " +
                                     std::to_string(entry(i).bytes));
-  if (const auto found = difference(manifest(), entry(i), tile, fields.cells); !found.empty())
+  if (const auto found = difference(whole(), entry(i), tile, fields.cells); !found.empty())
     return error(Errc::corrupt, path.string() + ": " + found);
+  if (inside_->whole) {
+    tile.rows = narrowed(tile.rows, row_bytes(tile.schema), row_bytes(manifest().schema));
+    tile.schema = manifest().schema;
+    tile.cell_schema.clear();
+    tile.cell_columns.clear();
+  }
   return std::move(tile);
 }
 

@@ -26,6 +26,12 @@ class TileSource {
   // of read_manifest(); usage, with the versions that can be read, when the named one cannot.
   static Result<TileSource> open(const std::filesystem::path& out);
 
+  // Tiles of a result that is being made. REQUIRES: the files are in the folder as in a finished result.
+  static TileSource draft(std::filesystem::path folder, Manifest manifest);
+
+  // Returns the same version as if it had no computed columns.
+  TileSource without_columns() const;
+
   // Returns a copy that can be stopped: after `stop` is requested, read() of a tile whose cells must be rebuilt soon
   // returns the error interrupted.
   TileSource stopped_by(std::stop_token stop) const;
@@ -58,10 +64,14 @@ class TileSource {
 
  private:
   Result<StoredTile> read_points(std::size_t i, const TileFields& fields) const;
+  Result<PointsTile> read_points_with_columns(std::size_t i, const PointsFields& fields) const;
+  // The manifest with the columns that the files have.
+  const Manifest& whole() const { return inside_->whole ? *inside_->whole : inside_->manifest; }
   struct Inside {
     std::filesystem::path folder;
     Manifest manifest;
-    FileHandle held;  // held_manifest.h
+    FileHandle held;                             // held_manifest.h
+    std::shared_ptr<const Manifest> whole = {};  // null: all columns are in `manifest`
   };
   explicit TileSource(std::shared_ptr<const Inside> inside) : inside_(std::move(inside)) {}
   std::shared_ptr<const Inside> inside_;

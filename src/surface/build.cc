@@ -1,5 +1,7 @@
 #include "src/surface/build.h"
 
+#include <cstdint>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <random>
@@ -15,6 +17,7 @@
 #include "src/base/option.h"
 #include "src/delaunay/run/result_stages.h"
 #include "src/exchange/tile_storage.h"
+#include "src/result/store/tile_store.h"
 #include "src/surface/folder_store.h"
 #include "src/surface/kept_codec.h"
 #include "src/surface/manifold.h"
@@ -162,6 +165,13 @@ Status gather(const TileSource& source, const fs::path& run, Built& built, Trian
   return success();
 }
 
+// The stages open the result by its path, which must lead to the version of the source.
+Result<fs::path> path_of(const TileSource& source) {
+  BOOST_OUTCOME_TRY(newest, read_manifest(source.folder()));
+  const std::uint32_t version = source.manifest().version;
+  return newest.version == version ? source.folder() : version_file(source.folder(), version);
+}
+
 }  // namespace
 
 Result<Built> build(const TileSource& source, const SurfaceOptions& options, const BuildFolder& folder, bool prove,
@@ -180,7 +190,8 @@ Result<Built> build(const TileSource& source, const SurfaceOptions& options, con
   };
   const bool together = source.tiles() > 1 && manifest.cells <= runner.bytes_of_one() / bytes_a_cell;
   BOOST_OUTCOME_TRYV(begin_run(folder, plan_of(source, options, sensors, prove, together)));
-  BOOST_OUTCOME_TRYV(runner.run(source.folder(), folder.run, folder.lock_file, tell(0, steps_part), stop));
+  BOOST_OUTCOME_TRY(result, path_of(source));
+  BOOST_OUTCOME_TRYV(runner.run(result, folder.run, folder.lock_file, tell(0, steps_part), stop));
   Built built{.triangles = surface_triangles(folder.run), .digest = {}, .sensors = sensors.used(), .rays = {}};
   const TileWork how{options.threads, options.memory_bytes, stop};
   TriangleStore triangles(built.triangles, manifest);

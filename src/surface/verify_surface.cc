@@ -6,7 +6,9 @@
 #include <compare>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "src/base/files/folder.h"
 #include "src/base/files/names.h"
@@ -14,6 +16,7 @@
 #include "src/base/files/there.h"
 #include "src/base/json/json_text.h"
 #include "src/result/store/external_sort.h"
+#include "src/result/version_log.h"
 #include "src/surface/build.h"
 #include "src/surface/mesh_file.h"
 
@@ -162,8 +165,7 @@ class Check {
     BOOST_OUTCOME_TRY(source, TileSource::open(*options_.triangulation));
     const Manifest& manifest = source.manifest();
     if (!manifest.digest || digest_text(*manifest.digest) != recipe_->triangulation)
-      return error(Errc::usage, options_.triangulation->string() + ": is another triangulation than " + mesh_.string() +
-                                    " was made of");
+      return another_triangulation(source);
     SurfaceOptions options = recipe_->options;
     BOOST_OUTCOME_TRY(sensors, options_.sensors(recipe_->sensors));
     options.sensors = std::move(sensors);
@@ -184,6 +186,20 @@ class Check {
       BOOST_OUTCOME_TRYV(take(tile, corner));
     }
     return success();
+  }
+
+  // Names the version that the surface was made of, if it can be found.
+  Error another_triangulation(const TileSource& source) const {
+    std::string sentence =
+        options_.triangulation->string() + ": is another triangulation than " + mesh_.string() + " was made of";
+    const auto told = tell_versions(source.folder());
+    for (const ToldVersion& version : told ? told.value().versions : std::vector<ToldVersion>()) {
+      if (!version.entry.digest || digest_text(*version.entry.digest) != recipe_->triangulation) continue;
+      sentence += "; it was made of version " + std::to_string(version.entry.version) + " of this result";
+      if (!version.readable) sentence += ", which is not kept any more";
+      break;
+    }
+    return error(Errc::usage, std::move(sentence));
   }
 
   Status take(const StoredTile& tile, const Point& corner) {

@@ -14,6 +14,18 @@ namespace {
 using testing::cloud;
 using testing::failure_of;
 
+TEST(MeasureOf, TheVersionBeforeCanBeOpenedByItsNumber) {
+  auto t = triangulate(cloud("uniform", 2, 200), TriangulationOptions().dimension(2).max_points_per_tile(50));
+  t.measure(MeasureRequest().volume(true));
+  const auto old = Triangulation::open(t.folder(), 1), same = Triangulation::open(t.folder(), 2);
+  EXPECT_TRUE(old.columns().empty());
+  EXPECT_EQ(same.columns().size(), 2u);
+  EXPECT_EQ(old.digest(), t.digest());
+  const auto failure = failure_of([&] { Triangulation::open(t.folder(), 3); });
+  EXPECT_EQ(failure.cause(), Cause::usage);
+  EXPECT_NE(std::string(failure.what()).find("the versions 1 and 2 can be read"), std::string::npos) << failure.what();
+}
+
 TEST(MeasureOf, AResultIsANewVersionOfItAndCopiesStayAtTheOldOne) {
   TriangulationOptions options;
   options.max_points_per_tile(100);

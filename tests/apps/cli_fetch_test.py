@@ -28,6 +28,18 @@ class Fetch(ServerTest):
     def content(self, folder):
         return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
+    def test_of_a_result_that_was_changed_the_newest_version_comes(self):
+        (self.folder / "equal.xyz").write_text("0.5 0.5 0.5\n0.5 0.5 0.5\n0.25 0.5 0.5\n")
+        changed = self.local("update", self.source, "--add", self.folder / "equal.xyz")
+        self.assertEqual(changed.returncode, OK, changed.stderr)
+        self.ok("fetch", "block", "-o", self.out)
+        files = {str(path) for path in self.content(self.out)}
+        self.assertEqual(len([name for name in files if name.startswith("duplicates-")]), 1)
+        self.assertTrue(any(name.endswith(("-2.vtu", "-2.pts")) for name in files))
+        self.assertEqual(self.local("verify", self.out).returncode, OK)
+        self.assertIn("\n2 ", self.local("log", self.out).stdout)
+        self.assertEqual(self.local("verify", self.out, "--version", "1").returncode, USAGE)
+
     def tile_requests(self):
         return self.server.asked("GET", "/files/tiles/")
 

@@ -9,6 +9,7 @@ import unittest
 
 import numpy as np
 from cli import BAD_INPUT, CORRUPT, TESSERA, USAGE, CliTest
+from tile_arrays import read_tile
 
 
 class Versions(CliTest):
@@ -142,13 +143,17 @@ class Versions(CliTest):
         """What the commands make of a version, as bytes."""
         of = ("out",) if version is None else ("out", "--version", version)
         made = []
-        for command, *options, ending in (("dem", "--res", "0.5", ".asc"), ("contours", "--interval", "0.1", ".geojson"),
-                                          ("export", ".ply"), ("voronoi", ".csv"), ("alpha", "--alpha", "auto", ".geojson")):
-            target = self.folder / f"{name}-{command}{ending if ending != '.asc' else '.tif'}"
+        (self.folder / "line.csv").write_text("1,1\n9,8\n")
+        for command, *options, ending in (("dem", "--res", "0.5", ".tif"), ("dem", "--res", "0.5", "--method", "natural", ".tif"),
+                                          ("contours", "--interval", "0.1", ".geojson"), ("export", ".ply"), ("voronoi", ".csv"),
+                                          ("alpha", "--alpha", "auto", ".geojson"), ("volume", "--plane", "0.5", ".csv"),
+                                          ("profile", "--line", "1,1 9,8", ".csv"), ("density", "--res", "1", ".tif")):
+            target = self.folder / f"{name}-{command}{ending}"
             self.ok(command, *of, *options, "-o", target, "--quiet", "--overwrite")
             made.append(re.sub(rb"(before|after|old|new)-", b"", target.read_bytes()))
         made.append(json.loads(self.ok("query", *of, "locate", "5,5", "--json"))["cell"])
         made.append(self.ok("query", *of, "neighbours", "3"))
+        made.append(self.ok("query", *of, "interpolate", "line.csv", "--value", "z"))
         return made
 
     def test_the_log_tells_what_each_version_is(self):
@@ -160,7 +165,7 @@ class Versions(CliTest):
         self.assertEqual([v["version"] for v in versions], [1, 2, 3, 4])
         self.assertEqual([v["readable"] for v in versions], [True] * 4)
         self.assertEqual([v["columns"] for v in versions], [[], [], [], ["volume", "star_volume"]])
-        self.assertEqual([v["command"][:2] for v in versions],
+        self.assertEqual([[os.path.basename(v["command"][0]), v["command"][1]] for v in versions],
                          [["tessera", "triangulate"], ["tessera", "materialise"], ["tessera", "update"], ["tessera", "measure"]])
         self.assertEqual([v["vertices"] for v in versions], [300, 300, 298, 298])
         self.assertEqual(versions[2]["digest"], versions[3]["digest"])
@@ -172,13 +177,64 @@ class Versions(CliTest):
         self.assertTrue(lines[0].startswith("version  time"))
         self.assertIn("columns volume, star_volume", lines[4])
         self.assertIn("-2 ", lines[3])
-        self.refused(USAGE, "update", "out", *self.remove(7), says="computed column 'volume'")
         # A result that was never changed has one version.
         self.triangulate(self.random.random((100, 3)), "other")
         self.assertEqual([v["added"] for v in self.log("other")["versions"]], [100])
         (self.out / ".versions" / "log.json").write_text("no log")
         self.refused(CORRUPT, "log", "out", says="out/.versions/log.json: is damaged")
         self.ok("verify", "out", "--quiet")
+
+    def columns_of(self, result):
+        """{what of (the ids of) which vertex or cell: bits}. All files that have a vertex or a cell must agree."""
+        manifest, values = self.manifest(result), {}
+        names = [("Cell" if column["of"] == "cells" else "Point", column["name"]) for column in manifest["columns"]]
+        for entry in manifest["tiles"]:
+            arrays = read_tile(self.folder / result / entry.get("file", "tiles/%06d.vtu" % entry["tile"]))
+            ids = arrays["PointData/id"]
+            cells = np.sort(ids[arrays["Cells/connectivity"].reshape(-1, manifest["dimension"] + 1)], axis=1)
+            for of, name in names:
+                column = arrays[f"{of}Data/{name}"]
+                bits = column.view("u8") if column.dtype == np.dtype("<f8") else column
+                for row, value in zip(ids.tolist() if of == "Point" else map(tuple, cells.tolist()), bits.tolist()):
+                    self.assertEqual(values.setdefault((name, row), value), value, (result, entry["tile"], name, row))
+        return values
+
+    def test_columns_are_what_measuring_from_scratch_gives(self):
+        measures = ("--volume", "--quality", "--voronoi", "--quiet", "--threads", "2")
+        for dim, tiles in (("2", "1"), ("2", "12"), ("3", "7")):
+            with self.subTest(dim=dim, tiles=tiles):
+                shutil.rmtree(self.out, ignore_errors=True)
+                grid = self.random.integers(0, 6, (100, int(dim))).astype(float) / 4
+                cloud = np.concatenate([self.random.random((300, int(dim))), grid])
+                self.triangulate(cloud, "out", "--dim", dim, "--tiles", tiles)
+                self.ok("measure", "out", *measures)
+                self.update("--add", self.save("more.npy", self.random.random((3, int(dim)))), "--threads", "2")
+                gone = np.unique(self.random.integers(0, 400, 12))
+                self.update(*self.remove(*gone))
+                self.ok("verify", "out", "--quiet")
+                left = np.concatenate([cloud, np.load(self.folder / "more.npy")])
+                left[gone] = np.nan
+                self.triangulate(left, "scratch", "--dim", dim, "--skip-invalid", "--overwrite")
+                self.ok("measure", "scratch", *measures)
+                self.assertEqual(self.manifest()["digest2"], self.manifest("scratch")["digest2"])
+                self.assertEqual(self.columns_of("out"), self.columns_of("scratch"))
+
+    def test_columns_of_tiles_kept_as_points_are_made_again(self):
+        points = np.column_stack([self.random.random((2000, 2)), self.random.random(2000)])
+        self.triangulate(points, "out", "--dim", "2", "--tiles", "9", "--store", "points", "--attributes", "z")
+        self.ok("measure", "out", "--volume", "--voronoi", "--quiet")
+        one = self.save("one.npy", np.array([[0.4, 0.4, 7.0]]))
+        told = self.update("--add", one)
+        self.assertLess(self.log()["versions"][-1]["tiles_written"], 9)
+        self.assertLess(told["tiles_changed"], 5)
+        self.ok("verify", "out", "--quiet")
+        self.triangulate(np.concatenate([points, np.load(self.folder / one)]), "scratch", "--dim", "2", "--tiles", "9", "--attributes", "z")
+        self.ok("measure", "scratch", "--volume", "--voronoi", "--quiet")
+        self.ok("materialise", "out", "--quiet")
+        self.assertEqual(self.columns_of("out"), self.columns_of("scratch"))
+        self.refused(USAGE, "update", "out", *self.remove(5), "-o", "next", says="computed column 'area'")
+        self.ok("measure", "out", "--density", "--quiet")
+        self.refused(USAGE, "update", "out", *self.remove(5), says="computed column 'density'")
 
     def test_a_reader_keeps_its_version_while_others_are_written(self):
         cloud = self.random.random((4000, 3))
@@ -203,7 +259,7 @@ class Versions(CliTest):
         self.assertEqual(errors, [])
         self.assertNotEqual(self.manifest()["digest2"], digest)
 
-    def test_a_second_updater_is_refused_or_waits(self):
+    def test_updaters_that_wait_take_turns(self):
         self.triangulate(self.random.random((3000, 3)), "out", "--tiles", "5")
         clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
         for i in range(4):
@@ -217,6 +273,19 @@ class Versions(CliTest):
         self.assertEqual((manifest["version"], manifest["counts"]["vertices"]), (5, 2960))
         self.ok("verify", "out", "--quiet")
         self.assertEqual([v["removed"] for v in self.log()["versions"]], [0, 10, 10, 10, 10])
+
+    def test_a_surface_is_checked_against_the_version_that_it_was_made_of(self):
+        x, y = np.meshgrid(np.arange(12.0), np.arange(12.0))
+        ground = np.column_stack([x.ravel(), y.ravel(), np.sin(x.ravel())]) + self.random.random((144, 3)) / 10
+        self.triangulate(ground, "out", "--tiles", "3")
+        self.ok("surface", "out", "-o", "mesh.ply", "--sensor", "vertical", "--quiet")
+        self.update(*self.remove(5, 6), "--keep-versions", "2")
+        self.refused(USAGE, "verify", "mesh.ply", "--of", "out",
+                     says=("another triangulation than mesh.ply was made of", "it was made of version 1 of this result"))
+        self.ok("verify", "mesh.ply", "--of", "out", "--version", "1", "--quiet")
+        self.update(*self.remove(7))
+        self.update(*self.remove(8))
+        self.refused(USAGE, "verify", "mesh.ply", "--of", "out", says="version 1 of this result, which is not kept any more")
 
     def test_an_error_leaves_the_version_that_stands(self):
         self.triangulate(self.random.random((100, 3)), "out", "--tiles", "2")

@@ -73,7 +73,7 @@ class Completion(CliTest):
     def test_every_option_of_a_command_is_completed_and_no_other(self):
         for command in COMMANDS:
             self.assertEqual(complete(command, "-"), options(self.ok(command, "--help")), command)
-            self.assertEqual(complete(command, "--quiet", "--ver"), set() if command in ("certs", "cluster", "jobs", "job", "inputs", "results", "nodes") else {"--verbose"})
+            self.assertEqual(complete(command, "--quiet", "--verb"), set() if command in ("certs", "cluster", "log", "jobs", "job", "inputs", "results", "nodes") else {"--verbose"})
 
     def test_values_of_which_there_are_few_are_completed(self):
         self.assertEqual(complete("triangulate", "--partition", ""), {"kdtree", "grid", "octree", "random"})

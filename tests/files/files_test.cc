@@ -171,6 +171,32 @@ TEST_F(Files, TheSumsOfRecordsAddUpHoweverTheyAreCutAndTellTheirOrder) {
   EXPECT_NE(sum, record_checksum(bytes(), 8, 10));
 }
 
+TEST_F(Files, ThePathOfAManifestNamesAVersion) {
+  for (const fs::path out : {"r", "a/b/r", "/r", ".", ".."}) {
+    for (const auto& path : {version_file(out, 42), version_copy(out, 42)}) {
+      const auto named = named_version(path);
+      ASSERT_TRUE(named) << path;
+      EXPECT_EQ(named->out, out);
+      EXPECT_EQ(named->version, 42u);
+    }
+  }
+  EXPECT_EQ(named_version(".versions/000007.json")->out, ".");
+  for (const char* other : {"r", "", "000007.json", "r/000007.json", "r/.versions/7.json", "r/.versions/000000.json",
+                            "r/.versions/log.json", "r/.versions/", "r/.versions/pass/000007.json"})
+    EXPECT_FALSE(named_version(other)) << other;
+}
+
+TEST_F(Files, ListsOfDuplicatesAreKnownByTheirNames) {
+  EXPECT_EQ(duplicates_file("r", 0xabc).string(), "r/duplicates-0000000000000abc.bin");
+  for (const char* name : {"duplicates.bin", "r/duplicates-0123456789abcdef.bin"}) {
+    EXPECT_TRUE(is_duplicates_name(name)) << name;
+    EXPECT_TRUE(is_result_name(fs::path(name).filename())) << name;
+  }
+  for (const char* name : {"duplicates-.bin", "duplicates-0123456789abcde.bin", "duplicates-0123456789abcdeg.bin",
+                           "duplicates-0123456789abcdef.bin.tmp", "duplicates-0123456789ABCDEF.bin", "duplicates"})
+    EXPECT_FALSE(is_duplicates_name(name)) << name;
+}
+
 TEST_F(Files, NamesInAResultFolderAreToldApart) {
   const TileId tile{42};
   std::set<fs::path> names{manifest_file("r"),
@@ -179,6 +205,8 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            tile_file("r", tile),
                            done_file("r", NodeId{3}),
                            duplicates_file("r"),
+                           duplicates_file("r", 7),
+                           version_log_file("r"),
                            report_file("r"),
                            lock_folder("r"),
                            run_folder("r"),
@@ -194,7 +222,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            routed_split_file("r", 42),
                            settled_file("r", NodeId{3}),
                            settled_marker("r")};
-  std::size_t expected = 21;
+  std::size_t expected = 23;
   for (const auto kind : scratch_kinds) {
     names.insert(scratch_folder("r", kind));
     names.insert(scratch_file("r", kind, tile));

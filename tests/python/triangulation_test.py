@@ -155,6 +155,20 @@ class Folders(FolderTest):
             again = tessera.open(path)
             np.testing.assert_array_equal(again.simplices(), simplices)
 
+    def test_an_older_version_is_opened_by_its_number(self):
+        out = self.folder / "out"
+        t = tessera.triangulate(clouds.random(400, 2), folder=out, max_points_per_tile=100)
+        t.measure(volume=True)
+        old, new = tessera.open(out, version=1), tessera.open(out, version=2)
+        self.assertEqual((list(old.columns), list(new.columns)), ([], ["area", "star_area"]))
+        self.assertEqual((old.digest, new.digest), (t.digest, t.digest))
+        old.verify()  # reads the files of its own version
+        np.testing.assert_array_equal(old.simplices(), new.simplices())
+        with self.assertRaisesRegex(tessera.UsageError, "version 3 does not exist; the versions 1 and 2 can be read"):
+            tessera.open(out, version=3)
+        with self.assertRaisesRegex(tessera.UsageError, "only the newest version can be changed"):
+            old.measure(quality=True)
+
     def test_a_result_of_format_2_is_read_like_any_other(self):
         t = tessera.open(FORMAT_2)
         rows = np.loadtxt(FORMAT_2 / "points.csv", delimiter=",", skiprows=1)

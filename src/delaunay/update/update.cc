@@ -15,6 +15,7 @@
 #include "src/delaunay/update/update_plan.h"
 #include "src/delaunay/update/updated_result.h"
 #include "src/delaunay/update/woken_tile.h"
+#include "src/result/measure/made_again.h"
 #include "src/result/tile_source.h"
 #include "src/tiling/partition.h"
 
@@ -98,7 +99,7 @@ Result<Manifest> write_version(const UpdateSetting& setting, UpdatedResult::Tile
 Result<Updated> update(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
                        const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(target, open_target(result, options));
-  const TileSource source = target.source.stopped_by(stop);
+  const TileSource source = target.source.without_columns().stopped_by(stop);
   if (change.chosen_from != 0 && change.chosen_from != source.manifest().version)
     return error(Errc::usage, result.string() +
                                   ": another program has changed the result meanwhile; run the command "
@@ -107,7 +108,11 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
     BOOST_OUTCOME_TRY(there, is_there(options.to));
     if (there) return error(Errc::usage, options.to.string() + ": exists already");
   }
-  BOOST_OUTCOME_TRYV(check_changeable(result, source.manifest()));
+  BOOST_OUTCOME_TRYV(check_changeable(result, target.source.manifest()));
+  if (!options.to.empty() && !target.source.manifest().columns.empty())
+    return error(Errc::usage, result.string() + ": has the computed column '" +
+                                  target.source.manifest().columns[0].name +
+                                  "', which only a change of the result itself makes again, not one into a new folder");
   BOOST_OUTCOME_TRYV(check_points(change, source.manifest()));
   BOOST_OUTCOME_TRY(partition, Partition::from_json(source.manifest().partition));
   BOOST_OUTCOME_TRY(plan, plan_update(source, partition, change));
@@ -146,9 +151,11 @@ Status check_changeable(const fs::path& result, const Manifest& manifest) {
     return refuse("is of format version " + std::to_string(manifest.format_version) +
                   ", which is read and not changed; triangulate again");
   if (manifest.region) return refuse("the result is a region of a cloud, and only whole results can be changed");
-  if (!manifest.columns.empty())
-    return refuse("the result has the computed column '" + manifest.columns[0].name +
-                  "', which would not be right for changed cells; change a result without computed columns");
+  const auto dear = std::ranges::find_if_not(manifest.columns, can_be_made_again);
+  if (dear != manifest.columns.end())
+    return refuse("the result has the computed column '" + dear->name +
+                  "', which depends on more than cells and would not be right afterwards; change the result as it was "
+                  "before this column was computed");
   if (manifest.keep != DuplicatePolicy::first)
     return refuse(
         "heights decide which of equal points is the vertex of this result, and results do not keep the "

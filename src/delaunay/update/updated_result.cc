@@ -248,6 +248,15 @@ Status UpdatedResult::finish(const ResultChange& change, const UpdateOptions& op
   return finish_store(folder_, manifest_, duplicates());
 }
 
+// With the columns of the result, if it has any.
+Result<std::vector<FinishedTile>> UpdatedResult::finished_tiles(const NewVersion& version, unsigned threads) const {
+  if (!version.source().manifest().columns.empty())
+    return ChangedColumns(version.source(), folder_, written_, setting_.stop).make(threads);
+  std::vector<FinishedTile> finished;
+  for (const auto& [tile, entry] : written_) finished.push_back({entry, tile_file(folder_, entry)});
+  return finished;
+}
+
 Status UpdatedResult::commit(NewVersion& version, const ResultChange& change, const UpdateOptions& options) {
   BOOST_OUTCOME_TRY(box, bounds());
   Manifest& manifest = version.manifest();
@@ -258,11 +267,12 @@ Status UpdatedResult::commit(NewVersion& version, const ResultChange& change, co
     const TileId tile = setting_.source.entry(i).tile;
     if (is_gone(tile) && !written_.contains(tile)) version.remove_tile(i);
   }
-  for (const auto& [tile, entry] : written_) {
-    const auto index = setting_.source.find(tile);
-    const auto file = tile_file(folder_, entry);
+  BOOST_OUTCOME_TRY(finished, finished_tiles(version, options.threads));
+  for (const auto& [entry, file] : finished) {
+    const auto index = setting_.source.find(entry.tile);
     BOOST_OUTCOME_TRYV(index ? version.replace_tile(*index, entry, file) : version.add_tile(entry, file));
   }
+  for (ResultColumn& column : manifest.columns) column.total.reset();  // which only a pass over all tiles tells
   if (duplicates_changed()) {
     BOOST_OUTCOME_TRYV(version.replace_duplicates(duplicates()));
   }

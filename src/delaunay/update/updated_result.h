@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/delaunay/update/changed_columns.h"
 #include "src/delaunay/update/update.h"
 #include "src/delaunay/update/woken_tile.h"
 #include "src/result/new_version.h"
@@ -40,6 +41,7 @@ class UpdatedResult {
   Result<Bounds> bounds() const;
   void describe(Manifest& manifest, const ResultChange& change, const UpdateOptions& options) const;
   std::vector<DuplicatePair> duplicates() const;
+  Result<std::vector<FinishedTile>> finished_tiles(const NewVersion& version, unsigned threads) const;
   bool duplicates_changed() const;
   TileKind kind_of(TileId tile) const;
 

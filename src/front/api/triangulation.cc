@@ -70,8 +70,7 @@ std::string Triangulation::export_to(const std::filesystem::path& target, const 
       stop.request_stop();
     }
   };
-  const auto exported =
-      guarded([&] { return export_result(folder(), target, options, stop.get_token()); });
+  const auto exported = guarded([&] { return export_result(folder(), target, options, stop.get_token()); });
   if (thrown) std::rethrow_exception(thrown);
   return value_or_throw(exported).note;
 }

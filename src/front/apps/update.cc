@@ -121,9 +121,9 @@ Status read_new_points(UpdateRequest& request, const Manifest& manifest, ResultC
 
 Result<ResultChange> read_change(UpdateRequest& request, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(opened, TileSource::open(request.result));
-  const TileSource source = opened.stopped_by(stop);
+  BOOST_OUTCOME_TRYV(check_changeable(request.result, opened.manifest()));
+  const TileSource source = opened.without_columns().stopped_by(stop);
   const Manifest& manifest = source.manifest();
-  BOOST_OUTCOME_TRYV(check_changeable(request.result, manifest));
   ResultChange change;
   if (request.box || !request.selection.classes.empty()) change.chosen_from = manifest.version;
   if (request.ids) {

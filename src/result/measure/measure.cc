@@ -65,31 +65,6 @@ void tell_total(const Manifest& manifest, Measured& measured) {
   }
 }
 
-// Values of all measures, one after the other.
-Result<PassValues> values_of(Measures& measures, const TileSource& source, std::size_t index, const StoredTile& tile,
-                             const std::stop_token& stop) {
-  std::vector<std::unique_ptr<CellValues>> of_cells;
-  bool any = false;
-  for (const auto& measure : measures) {
-    of_cells.push_back(measure->cells_of(tile.mesh));
-    any = any || of_cells.back();
-  }
-  if (any) {
-    BOOST_OUTCOME_TRYV(
-        for_each_cell(source, index, tile.mesh, stop,
-                      [&](std::size_t cell, std::span<const std::int32_t> vertices, const ScaledInteger& exact) {
-                        for (const auto& one : of_cells)
-                          if (one) one->take(cell, vertices, exact);
-                      }));
-  }
-  PassValues all;
-  for (std::size_t i = 0; i < measures.size(); ++i) {
-    BOOST_OUTCOME_TRY(values, of_cells[i] ? Result<PassValues>(of_cells[i]->finish()) : measures[i]->of(index, tile));
-    for (auto& each : values) all.push_back(std::move(each));
-  }
-  return all;
-}
-
 Status run(NewVersion& next, Measures& measures, std::vector<ResultColumn>& columns, const MeasureOptions& options,
            const std::stop_token& stop) {
   const fs::path out = next.source().folder();
@@ -113,6 +88,30 @@ Status run(NewVersion& next, Measures& measures, std::vector<ResultColumn>& colu
 }
 
 }  // namespace
+
+Result<PassValues> values_of(const Measures& measures, const TileSource& source, std::size_t index,
+                             const StoredTile& tile, const std::stop_token& stop) {
+  std::vector<std::unique_ptr<CellValues>> of_cells;
+  bool any = false;
+  for (const auto& measure : measures) {
+    of_cells.push_back(measure->cells_of(tile.mesh));
+    any = any || of_cells.back();
+  }
+  if (any) {
+    BOOST_OUTCOME_TRYV(
+        for_each_cell(source, index, tile.mesh, stop,
+                      [&](std::size_t cell, std::span<const std::int32_t> vertices, const ScaledInteger& exact) {
+                        for (const auto& one : of_cells)
+                          if (one) one->take(cell, vertices, exact);
+                      }));
+  }
+  PassValues all;
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    BOOST_OUTCOME_TRY(values, of_cells[i] ? Result<PassValues>(of_cells[i]->finish()) : measures[i]->of(index, tile));
+    for (auto& each : values) all.push_back(std::move(each));
+  }
+  return all;
+}
 
 std::string unit_of(const Manifest& manifest, int exponent) {
   const CoordinateUnits units = coordinate_units(manifest.crs);

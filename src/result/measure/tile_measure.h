@@ -60,6 +60,10 @@ std::unique_ptr<TileMeasure> measure_voronoi(const TileSource& source, std::stop
 Result<std::unique_ptr<TileMeasure>> measure_density(const TileSource& source, const std::string& mass,
                                                      std::uint64_t memory_bytes, std::stop_token stop);
 
+// Values of all measures, one after the other.
+Result<PassValues> values_of(const std::vector<std::unique_ptr<TileMeasure>>& measures, const TileSource& source,
+                             std::size_t index, const StoredTile& tile, const std::stop_token& stop);
+
 // The unit of lengths to the power of `exponent`; "" when it is not known or not the same on all axes.
 std::string unit_of(const Manifest& manifest, int exponent);
 

@@ -146,6 +146,14 @@ void read_versions(const json& value, Manifest& manifest) {
 
 }  // namespace store
 
+Manifest without_columns(Manifest manifest) {
+  const auto of_vertices =
+      std::ranges::count_if(manifest.columns, [](const ResultColumn& column) { return !column.of_cells; });
+  manifest.schema.resize(manifest.schema.size() - static_cast<std::size_t>(of_vertices));
+  manifest.columns.clear();
+  return manifest;
+}
+
 std::vector<Attribute> cell_schema_of(const Manifest& manifest) {
   std::vector<Attribute> schema;
   for (const ResultColumn& column : manifest.columns)

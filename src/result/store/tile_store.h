@@ -191,6 +191,8 @@ Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& 
 std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles);
 // The columns of the cells, in the order in which tile files have them.
 std::vector<Attribute> cell_schema_of(const Manifest& manifest);
+// The same manifest as if the result had no computed columns.
+Manifest without_columns(Manifest manifest);
 // The range of the heights of all vertices; nothing when no tile has one.
 std::optional<HeightRange> heights_of(const Manifest& manifest);
 

@@ -128,7 +128,7 @@ std::optional<TileHeader> parse_header(std::string_view text) {
       !in.skip("\" NumberOfCells=\"") || !in.number(header.cells) || !in.skip("\">\n"))
     return std::nullopt;
   if (header.dimension != 2 && header.dimension != 3) return std::nullopt;
-  if (header.format < 2 || header.format > newest_format) return std::nullopt;
+  if (header.format < 2 || header.format > changed_format) return std::nullopt;
   header.neighbors = false;
   bool point_data = false, cell_data = false;
   while (in.until('\n', word)) {

@@ -1,0 +1,69 @@
+// The computed columns of a result whose points are changed. Columns of the tiles that have changed are computed again.
+// Other tiles have values of foreign vertices, which their owners have computed again; where such values differ, the
+// tile gets a new file with the same cells.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <set>
+#include <span>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include <tsl/robin_map.h>
+
+#include "src/base/mix_hash.h"
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/result/measure/made_again.h"
+#include "src/result/pass.h"
+#include "src/result/tile_source.h"
+
+namespace tessera {
+
+struct FinishedTile {
+  TileEntry entry;
+  std::filesystem::path file;
+};
+
+class ChangedColumns {
+ public:
+  // `old`: the result with its columns. `scratch`: a folder like that of a result with the files of the changed tiles,
+  // without columns. `changed`: their entries.
+  ChangedColumns(const TileSource& old, std::filesystem::path scratch, const std::map<TileId, TileEntry>& changed,
+                 std::stop_token stop);
+  // Returns all tiles whose files are new. Errors: those of reading and of measures; io; interrupted.
+  Result<std::vector<FinishedTile>> make(unsigned threads);
+
+ private:
+  // A changed tile, in the order of its file.
+  struct Made {
+    std::vector<PointId> ids;
+    std::vector<TileId> owners;
+    PassValues values;
+  };
+  Status compute(unsigned threads);
+  Status compute_tile(ColumnsAgain& again, std::size_t index);
+  Status look_at_neighbour(TileId tile);
+  // Puts the known values of foreign vertices into the rows of an old tile. Returns whether any differs.
+  bool patch(TileId tile, StoredTile& stored) const;
+  Status write_patched(std::size_t index, const StoredTile& stored);
+  Status write_changed(std::size_t index);
+  Status finish(TileEntry entry, const PassValues& values);
+
+  const TileSource& old_;
+  TileSource draft_;  // the changed tiles, without columns
+  std::stop_token stop_;
+  std::size_t tail_ = 0;  // bytes of a row of the columns of vertices
+  std::vector<Made> made_;
+  std::mutex mutex_;
+  std::set<TileId> neighbours_;  // unchanged tiles with foreign vertices of changed ones
+  tsl::robin_map<PointId, std::vector<std::byte>, MixHash> rows_;  // the columns of vertices, by vertex
+  std::vector<FinishedTile> finished_;
+};
+
+}  // namespace tessera
