@@ -148,6 +148,7 @@ fs::path early_file(const fs::path& out, TileId tile, NodeId node) {
   return name;
 }
 fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
+fs::path duplicate_rows_file(const fs::path& out) { return out / "duplicate-rows.bin"; }
 fs::path report_file(const fs::path& out) { return out / "report.html"; }
 fs::path lock_folder(const fs::path& out) { return out / ".lock"; }
 fs::path new_lock_folder(const fs::path& out, const std::string& owner) {
@@ -272,7 +273,8 @@ fs::path temporary_name_of_process(const fs::path& final_name) {
 bool is_result_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
   return name == manifest_file("") || name == master_file("") || name == duplicates_file("") ||
-         name == report_file("") || name == "triangulation.vtkhdf";  // the master file of format 1
+         name == duplicate_rows_file("") || name == report_file("") ||
+         name == "triangulation.vtkhdf";  // the master file of format 1
 }
 
 bool is_tile_name(const fs::path& file) {

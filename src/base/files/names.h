@@ -103,6 +103,8 @@ std::filesystem::path done_file(const std::filesystem::path& out, NodeId node);
 // The cells that a node has written of a tile before the tile's other cells are known: a temporary name.
 std::filesystem::path early_file(const std::filesystem::path& out, TileId tile, NodeId node);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
+// The attributes of the points in duplicates_file().
+std::filesystem::path duplicate_rows_file(const std::filesystem::path& out);
 std::filesystem::path report_file(const std::filesystem::path& out);
 std::filesystem::path lock_folder(const std::filesystem::path& out);
 std::filesystem::path new_lock_folder(const std::filesystem::path& out, const std::string& owner);

@@ -29,10 +29,11 @@ struct ResultChange {
 struct UpdateOptions {
   std::filesystem::path to = {};  // the folder of the new result, which must not exist
   unsigned threads = 1;
-  bool dry_run = false;                      // write nothing, and only find out what would change
-  std::vector<std::string> command = {};     // for the manifest
-  std::string software_version = {};         // for the manifest
-  std::vector<Manifest::Input> inputs = {};  // of the new points, for the manifest
+  bool dry_run = false;                   // write nothing, and only find out what would change
+  std::vector<std::string> command = {};  // for the manifest
+  std::string software_version = {};      // for the manifest
+  // Of the new points, for the manifest. Their source indices count from 0, the first new point.
+  std::vector<Manifest::Input> inputs = {};
 };
 
 struct Updated {

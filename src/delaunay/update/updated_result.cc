@@ -22,6 +22,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr std::uint64_t rows_bytes = std::uint64_t{64} << 20;  // for sorting the attributes of duplicates
+
 // Makes a hard link, or a copy where the file system has no hard links.
 Status link_or_copy(const fs::path& from, const fs::path& to) {
   if (::link(from.c_str(), to.c_str()) == 0) return success();
@@ -175,7 +177,10 @@ Status UpdatedResult::finish(const ResultChange& change, const UpdateOptions& op
   manifest_.previous_master_xxh3.reset();
   if (!options.command.empty()) manifest_.command = options.command;
   if (!options.software_version.empty()) manifest_.software_version = options.software_version;
-  manifest_.inputs.insert(manifest_.inputs.end(), options.inputs.begin(), options.inputs.end());
+  for (const Manifest::Input& input : options.inputs) {
+    manifest_.inputs.push_back(input);
+    if (input.ids) manifest_.inputs.back().ids->first += setting_.plan.first_new;
+  }
   manifest_.points_read += change.add.size();
   manifest_.filtered += setting_.plan.removed_points;
   manifest_.vertices = manifest_.cells = 0;
@@ -191,9 +196,30 @@ Status UpdatedResult::finish(const ResultChange& change, const UpdateOptions& op
     duplicates.insert(duplicates.end(), tile->duplicates().begin(), tile->duplicates().end());
     duplicates_changed |= !tile->duplicates().empty();
   }
-  if (duplicates_changed) manifest_.other_heights.reset();  // results do not keep the heights of duplicates
+  if (duplicates_changed) manifest_.other_heights.reset();  // they are not counted again
   std::sort(duplicates.begin(), duplicates.end());
-  return finish_store(folder_, manifest_, duplicates);
+  std::optional<DuplicateRowSort> rows;
+  BOOST_OUTCOME_TRYV(sort_rows(duplicates, change.rows, rows));
+  return finish_store(folder_, manifest_, duplicates, rows ? &*rows : nullptr);
+}
+
+// A result of older software may lack the attributes of some of the duplicates. Then the new one has none of them.
+Status UpdatedResult::sort_rows(std::span<const DuplicatePair> duplicates, std::span<const std::byte> added,
+                                std::optional<DuplicateRowSort>& rows) const {
+  const std::size_t width = row_bytes(setting_.source.manifest().schema);
+  if (width == 0) return success();
+  rows.emplace(folder_, rows_bytes, width);
+  for (const DuplicatePair& pair : duplicates) {
+    const std::uint64_t id = pair.duplicate.value, first_new = setting_.plan.first_new;
+    const auto row = id >= first_new ? std::optional(added.subspan((id - first_new) * width, width))
+                                     : setting_.plan.old.row(pair.duplicate);
+    if (!row) {
+      rows.reset();
+      return success();
+    }
+    BOOST_OUTCOME_TRYV(rows->push(pair.duplicate, *row));
+  }
+  return success();
 }
 
 }  // namespace tessera

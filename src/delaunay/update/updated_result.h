@@ -6,11 +6,14 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "src/base/result.h"
 #include "src/delaunay/update/update.h"
 #include "src/delaunay/update/woken_tile.h"
+#include "src/result/store/duplicate_rows.h"
 
 namespace tessera {
 
@@ -33,6 +36,8 @@ class UpdatedResult {
   Result<std::vector<std::byte>> rows_of(const TileMesh& mesh, TileId tile) const;
   Result<TileEntry> write_as_points(TileId tile, const TileMesh& mesh, const std::vector<std::byte>& rows);
   Result<Bounds> bounds() const;
+  Status sort_rows(std::span<const DuplicatePair> duplicates, std::span<const std::byte> added,
+                   std::optional<DuplicateRowSort>& rows) const;
   TileKind kind_of(TileId tile) const;
 
   const UpdateSetting& setting_;

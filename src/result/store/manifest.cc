@@ -27,6 +27,7 @@ namespace {
 // The keys of checksums are the names of their files.
 const std::string master_key = master_file("").string();
 const std::string duplicates_key = duplicates_file("").string();
+const std::string duplicate_rows_key = duplicate_rows_file("").string();
 
 // Digests of another definition have another key, and are ignored: "digest" was a hash of sorted ids.
 constexpr const char* digest_key = "digest2";
@@ -105,6 +106,25 @@ TileEntry to_entry(const json& value) {
   return entry;
 }
 
+Manifest::Input to_input(const json& value) {
+  Manifest::Input input{value.at("path").get<std::string>(), to_count(value.at("bytes")),
+                        value.at("modified_ns").get<std::int64_t>()};
+  if (!value.contains("points")) return input;
+  input.ids = {to_count(value.at("first_id")), to_count(value.at("points"))};
+  if (input.ids->first + input.ids->count < input.ids->first)
+    throw json::other_error::create(501, "an input has an impossible number of points", &value);
+  return input;
+}
+
+ordered_json input_to_json(const Manifest::Input& input) {
+  ordered_json value{{"path", input.path}, {"bytes", input.bytes}, {"modified_ns", input.modified_ns}};
+  if (input.ids) {
+    value["first_id"] = input.ids->first;
+    value["points"] = input.ids->count;
+  }
+  return value;
+}
+
 // The members that make a partition. Code that walks the splits must check that they are a tree.
 std::string partition_text(const json& value, const Manifest& manifest) {
   if (!value.contains("splits")) throw json::other_error::create(501, "the partition has no splits", &value);
@@ -120,9 +140,7 @@ Manifest to_manifest(const json& value) {
   manifest.format_version = static_cast<int>(to_count(value.at("format_version")));
   manifest.software_version = value.at("software_version").get<std::string>();
   manifest.command = value.at("command").get<std::vector<std::string>>();
-  for (const auto& input : value.at("inputs"))
-    manifest.inputs.push_back({input.at("path").get<std::string>(), to_count(input.at("bytes")),
-                               input.at("modified_ns").get<std::int64_t>()});
+  for (const auto& input : value.at("inputs")) manifest.inputs.push_back(to_input(input));
   manifest.dimension = static_cast<int>(to_count(value.at("dimension")));
   if (manifest.dimension != 2 && manifest.dimension != 3)
     throw json::other_error::create(501, "the dimension is neither 2 nor 3", &value);
@@ -161,6 +179,8 @@ Manifest to_manifest(const json& value) {
   manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key));
   if (value.at("checksums").contains(duplicates_key))
     manifest.duplicates_xxh3 = to_sum(value.at("checksums").at(duplicates_key));
+  if (value.at("checksums").contains(duplicate_rows_key))
+    manifest.duplicate_rows_xxh3 = to_sum(value.at("checksums").at(duplicate_rows_key));
   manifest.seconds = value.at("seconds").get<std::map<std::string, double>>();
   manifest.figures = value.at("figures").get<std::map<std::string, double>>();
   return manifest;
@@ -176,8 +196,7 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["software_version"] = manifest.software_version;
   value["command"] = manifest.command;
   value["inputs"] = json::array();
-  for (const auto& input : manifest.inputs)
-    value["inputs"].push_back({{"path", input.path}, {"bytes", input.bytes}, {"modified_ns", input.modified_ns}});
+  for (const auto& input : manifest.inputs) value["inputs"].push_back(input_to_json(input));
   value["dimension"] = manifest.dimension;
   value["crs"] = manifest.crs;
   value["bounds"] = corners(manifest.bounds);
@@ -197,6 +216,8 @@ std::string manifest_to_text(const Manifest& manifest) {
   if (manifest.digest) value[digest_key] = digest_text(*manifest.digest);
   value["checksums"][master_key] = checksum_text(manifest.master_xxh3);
   if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);
+  if (manifest.duplicate_rows_xxh3 != 0)
+    value["checksums"][duplicate_rows_key] = checksum_text(manifest.duplicate_rows_xxh3);
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
   // A path may be any bytes; bytes that are not UTF-8 become U+FFFD instead of an exception.

@@ -1,8 +1,11 @@
 #include "src/result/voronoi/read_clip.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "src/base/crs/crs.h"
@@ -219,13 +222,18 @@ Result<ClipRegion> box_region(const Bounds& box) {
   return region;
 }
 
+bool is_region_file(const fs::path& path) {
+  constexpr std::array<std::string_view, 5> endings{".gpkg", ".fgb", ".shp", ".geojson", ".json"};
+  return std::find(endings.begin(), endings.end(), exports::ending_of(path)) != endings.end();
+}
+
 Result<ClipRegion> file_region(const fs::path& path, const Manifest& manifest) {
   const std::string ending = exports::ending_of(path);
   if (ending == ".gpkg") return map_region(path, "GPKG", manifest);
   if (ending == ".fgb") return map_region(path, "FlatGeobuf", manifest);
+  if (ending == ".shp") return map_region(path, "ESRI Shapefile", manifest);
   if (ending == ".geojson" || ending == ".json") return geojson_region(path, manifest);
-  return error(Errc::usage, option("clip") + ": '" + path.string() +
-                                "' is neither hull, none, a box nor a file that ends in .gpkg, .fgb or .geojson");
+  return error(Errc::usage, path.string() + ": is no file of polygons by its ending, .gpkg, .fgb, .shp or .geojson");
 }
 
 }  // namespace tessera::voronoi
