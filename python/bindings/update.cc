@@ -43,10 +43,8 @@ void bind_update(py::module_& module) {
   py::class_<UpdateRequest>(module, "UpdateRequest")
       .def(py::init(&update_request))
       .def("add", &add)
-      .def("remove",
-           [](UpdateRequest& self, const py::array_t<std::uint64_t, py::array::c_style>& ids) {
-             self.remove(span_of(ids));
-           })
+      .def("remove", [](UpdateRequest& self,
+                        const py::array_t<std::uint64_t, py::array::c_style>& ids) { self.remove(span_of(ids)); })
       .def("output", [](UpdateRequest& self, const std::filesystem::path& folder) { self.output(folder); });
   module.def("update", &run_update);
 }

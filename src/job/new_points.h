@@ -23,8 +23,8 @@ struct NewPoints {
 // How a cloud must be opened to have the dimension and the attributes of a result.
 CloudOptions options_of_new_points(const Manifest& result, unsigned threads);
 
-// Reads the whole cloud. `name` and `folder`: of the cloud and the result, for errors. Errors: usage when the attributes
-// or the coordinate system differ from those of the result; those of reading; interrupted.
+// Reads the whole cloud. `name` and `folder`: of the cloud and the result, for errors. Errors: usage when the
+// attributes or the coordinate system differ from those of the result; those of reading; interrupted.
 Result<NewPoints> read_new_points(const Cloud& cloud, const std::string& name, const Manifest& result,
                                   const std::filesystem::path& folder, const std::stop_token& stop);
 

@@ -151,7 +151,9 @@ Manifest StoredCloud::store(const std::filesystem::path& out) const {
   std::optional<DuplicateRowSort> rows;
   if (duplicate_rows && !schema.empty()) rows.emplace(out, 1 << 20, row_bytes(schema));
   for (const DuplicatePair& pair : duplicates) {
-    if (rows) EXPECT_TRUE(rows->push(pair.duplicate, rows_of({pair.duplicate})));
+    if (rows) {
+      EXPECT_TRUE(rows->push(pair.duplicate, rows_of({pair.duplicate})));
+    }
   }
   const Status finished = finish_store(out, manifest, duplicates, rows ? &*rows : nullptr);
   EXPECT_TRUE(finished) << (finished ? "" : finished.error().where);

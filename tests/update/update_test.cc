@@ -136,8 +136,9 @@ void Update::expect_as_from_scratch() const {
     }
     meshes.push_back(std::move(tile.value().mesh));
   }
-  if (cloud_.keep == DuplicatePolicy::first)
+  if (cloud_.keep == DuplicatePolicy::first) {
     EXPECT_EQ(difference(global_delaunay(cloud_.points, cloud_.dimension), main_cells(meshes)), "");
+  }
   const auto verified = verify(now(), {}, {});
   EXPECT_TRUE(verified) << verified.error().where;
 }

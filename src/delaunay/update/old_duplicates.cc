@@ -15,7 +15,7 @@ Result<OldDuplicates> OldDuplicates::open(const TileSource& source) {
     return error(Errc::corrupt, source.folder().string() + ": there are " + std::to_string(pairs.size()) +
                                     " duplicates, but the manifest says " + std::to_string(manifest.duplicates));
   old.pairs_ = std::move(pairs);
-  if (rows) old.rows_.emplace(std::move(*rows));
+  if (rows) old.rows_ = std::make_shared<const DuplicateRows>(std::move(*rows));
   return old;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,7 +23,7 @@ class OldDuplicates {
 
   const std::vector<DuplicatePair>& pairs() const { return pairs_; }  // ascending
   // Whether row_of() is known, because the result has attributes and keeps those of duplicates.
-  bool has_rows() const { return rows_.has_value(); }
+  bool has_rows() const { return rows_ != nullptr; }
   // REQUIRES: has_rows().
   std::span<const std::byte> row_of(std::size_t pair) const { return rows_->row(pair); }
 
@@ -33,7 +34,7 @@ class OldDuplicates {
 
  private:
   std::vector<DuplicatePair> pairs_;
-  std::optional<DuplicateRows> rows_;
+  std::shared_ptr<const DuplicateRows> rows_;
   std::map<PointId, std::vector<std::byte>> kept_;
 };
 

@@ -81,8 +81,7 @@ std::optional<Cloud> cloud_of(const std::optional<std::span<const double>>& coor
     throw Failure(Cause::usage, "the array: its length, " + std::to_string(coordinates->size()) +
                                     ", is not a multiple of the dimension, " + std::to_string(dimension));
   if (coordinates && !coordinates->empty())
-    return value_or_throw(
-        Cloud::open_source(array_source("the array", *coordinates, manifest.dimension), options));
+    return value_or_throw(Cloud::open_source(array_source("the array", *coordinates, manifest.dimension), options));
   if (records && records->rows > 0)
     return value_or_throw(
         Cloud::open_source(record_source("the array", records->bytes, records->columns, records->rows), options));
@@ -108,8 +107,7 @@ UpdateReport update(const Triangulation& triangulation, const UpdateRequest& req
       options.inputs = std::move(read.inputs);
     }
     if (asked.replace) {
-      const auto replaced = value_or_throw(
-          select_points(source, {.places = change.add}, options.threads, asked.stop));
+      const auto replaced = value_or_throw(select_points(source, {.places = change.add}, options.threads, asked.stop));
       change.remove.insert(change.remove.end(), replaced.begin(), replaced.end());
     }
     const auto updated = value_or_throw(update_result(folder, change, options, asked.stop));

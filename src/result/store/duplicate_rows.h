@@ -1,8 +1,8 @@
 // The attributes of duplicates, in a file beside duplicates.bin: a row for each pair, in the order of the pairs.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +14,7 @@
 
 #include "src/base/attribute.h"
 #include "src/base/files/mapped_file.h"
+#include "src/base/ledger.h"
 #include "src/base/result.h"
 #include "src/result/store/external_sort.h"
 #include "src/result/store/tile_store.h"
