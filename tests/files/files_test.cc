@@ -179,6 +179,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            tile_file("r", tile),
                            done_file("r", NodeId{3}),
                            duplicates_file("r"),
+                           duplicate_rows_file("r"),
                            report_file("r"),
                            lock_folder("r"),
                            run_folder("r"),
@@ -194,7 +195,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            routed_split_file("r", 42),
                            settled_file("r", NodeId{3}),
                            settled_marker("r")};
-  std::size_t expected = 21;
+  std::size_t expected = 22;
   for (const auto kind : scratch_kinds) {
     names.insert(scratch_folder("r", kind));
     names.insert(scratch_file("r", kind, tile));
