@@ -12,6 +12,7 @@
 #include "tessera/raster.h"
 #include "tessera/region.h"
 #include "tessera/triangulation.h"
+#include "tessera/update.h"
 #include "tessera/version.h"
 #include "tessera/volumes.h"
 #include "tessera/voronoi.h"

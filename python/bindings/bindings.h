@@ -13,6 +13,7 @@ void bind_delaunay(pybind11::module_& module);
 void bind_questions(pybind11::module_& module);
 void bind_surfaces(pybind11::module_& module);
 void bind_triangulation(pybind11::module_& module);
+void bind_update(pybind11::module_& module);
 void bind_volumes(pybind11::module_& module);
 void bind_voronoi(pybind11::module_& module);
 

@@ -8,6 +8,7 @@ PYBIND11_MODULE(_tessera, module) {
   tessera::python::bind_triangulation(module);
   tessera::python::bind_questions(module);
   tessera::python::bind_surfaces(module);
+  tessera::python::bind_update(module);
   tessera::python::bind_volumes(module);
   tessera::python::bind_voronoi(module);
   tessera::python::bind_alpha(module);

@@ -20,6 +20,7 @@ from ._questions import Answers
 from ._densities import Densities
 from ._surfaces import Surfaces
 from ._tile import Tile, cell_word
+from ._update import Changes
 from ._volumes import SurfaceVolumes
 from ._voronoi import VoronoiCells
 
@@ -110,7 +111,7 @@ class Tiles(collections.abc.Sequence):
         return f"<tessera.Tiles: {len(self)} of {self._of!r}>"
 
 
-class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, VoronoiCells):
+class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, VoronoiCells, Changes):
     """A finished triangulation on disk, from triangulate(), region() or open(): a sequence of tiles.
 
     `len(t)` is the number of tiles with points. `t[i]` reads a tile from disk. `for tile in t` reads one tile after the

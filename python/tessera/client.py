@@ -351,7 +351,7 @@ class Client:
             sums = dict(manifest["checksums"])
             pieces = manifest["format_version"] > 2
             wanted = [(_tile_file(tile), tile["xxh3"], int(tile["bytes"]), pieces) for tile in manifest["tiles"]]
-            wanted += [(file, sums[file], None, pieces and file.startswith("duplicates")) for file in sums if file == os.path.basename(file)]
+            wanted += [(file, sums[file], None, pieces and file.startswith("duplicate")) for file in sums if file == os.path.basename(file)]
         except (ValueError, KeyError, TypeError):
             raise CorruptError(f"{self._http.url}: the manifest of {name} is damaged, or is not a manifest") from None
         if _holds(out, text):

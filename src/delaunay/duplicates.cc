@@ -1,7 +1,9 @@
 #include "src/delaunay/duplicates.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <span>
 
 #include "src/base/files/frame.h"
 #include "src/base/files/names.h"
@@ -31,6 +33,22 @@ Result<Found> duplicates_of(const RoutedCloud& run, TileId tile, std::uint64_t c
   return found;
 }
 
+// The attributes are read for so many points at a time.
+constexpr std::size_t rows_at_once = std::size_t{1} << 16;
+
+Status gather_rows(ShuffleFileMaps& maps, TileId tile, const std::vector<DuplicatePair>& pairs, DuplicateRowSort& out) {
+  for (std::size_t begin = 0; begin < pairs.size(); begin += rows_at_once) {
+    std::vector<PointId> ids;
+    for (std::size_t i = begin; i < std::min(begin + rows_at_once, pairs.size()); ++i)
+      ids.push_back(pairs[i].duplicate);
+    BOOST_OUTCOME_TRY(rows, load_rows(maps, tile, ids));
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      BOOST_OUTCOME_TRYV(out.push(ids[i], std::span(rows).subspan(i * out.width(), out.width())));
+    }
+  }
+  return success();
+}
+
 }  // namespace
 
 std::vector<std::pair<PointId, PointId>> duplicates_for_scratch(std::vector<std::pair<PointId, PointId>> duplicates,
@@ -39,9 +57,10 @@ std::vector<std::pair<PointId, PointId>> duplicates_for_scratch(std::vector<std:
   return duplicates;
 }
 
-Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles,
-                                        DuplicateSort& out) {
+Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles, DuplicateSort& out,
+                                        DuplicateRowSort* rows) {
   std::uint64_t other_heights = 0;
+  ShuffleFileMaps maps(run);
   for (const TileEntry& entry : tiles) {
     const std::uint64_t points = run.tile_points[entry.tile.value];
     if (entry.own_points == points) continue;
@@ -49,6 +68,9 @@ Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vecto
     other_heights += found.other_heights;
     for (const DuplicatePair& pair : found.pairs) {
       BOOST_OUTCOME_TRYV(out.push(pair));
+    }
+    if (rows != nullptr) {
+      BOOST_OUTCOME_TRYV(gather_rows(maps, entry.tile, found.pairs, *rows));
     }
   }
   return other_heights;

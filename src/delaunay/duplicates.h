@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/result/store/tile_store.h"
 #include "src/tiling/routed_cloud.h"
 
@@ -18,8 +19,9 @@ std::vector<std::pair<PointId, PointId>> duplicates_for_scratch(std::vector<std:
 
 // Adds the pairs of all tiles to `out`. Returns how many duplicates have another height than the kept point. `tiles`:
 // the entries of all tiles that hold points; their numbers of vertices tell how many pairs there are. Pairs whose
-// scratch is missing or damaged are found again from the points.
-Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles,
-                                        DuplicateSort& out);
+// scratch is missing or damaged are found again from the points. Adds the attributes of the duplicates to `rows`, if
+// given.
+Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles, DuplicateSort& out,
+                                        DuplicateRowSort* rows = nullptr);
 
 }  // namespace tessera

@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <map>
 #include <new>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "src/base/attribute.h"
 #include "src/base/files/there.h"
 #include "src/base/option.h"
 #include "src/delaunay/duplicates.h"
@@ -18,6 +20,7 @@
 #include "src/job/machine.h"
 #include "src/job/open_cloud.h"
 #include "src/job/report/human.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/tiling/kept_points.h"
 
 namespace tessera {
@@ -126,7 +129,10 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   auto summary = summary_of(options, folder.path(), manifest, tiles);
   summary.warnings = std::move(warnings);
   DuplicateSort duplicates(folder.run(), options.memory_bytes / 4);
-  BOOST_OUTCOME_TRY(other_heights, gather_duplicates(run, tiles.tiles, duplicates));
+  std::optional<DuplicateRowSort> rows;
+  if (const std::size_t width = row_bytes(run.schema); width > 0)
+    rows.emplace(folder.run(), options.memory_bytes / 4, width);
+  BOOST_OUTCOME_TRY(other_heights, gather_duplicates(run, tiles.tiles, duplicates, rows ? &*rows : nullptr));
   if (height_offset(run.dimension, run.schema)) manifest.other_heights = other_heights;
   // A result is complete once it has its manifest, so the report is written before.
   const auto report = [&]() -> Status {
@@ -144,7 +150,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
     return folder.check_claim();
   };
   BOOST_OUTCOME_TRYV(folder.check_claim());
-  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates, report));
+  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates, report, rows ? &*rows : nullptr));
   BOOST_OUTCOME_TRYV(folder.finish());
   progress.phase = Phase::done;
   return summary;

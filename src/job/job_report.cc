@@ -16,7 +16,15 @@ Manifest manifest_of(const JobOptions& options, const RoutedCloud& run, const Ru
   Manifest manifest;
   manifest.software_version = version();
   manifest.command = options.command;
-  for (const auto& input : run.inputs) manifest.inputs.push_back({input.path, input.bytes, input.modified_ns});
+  bool known = true;  // how many source indices the inputs before took
+  std::uint64_t first = 0;
+  for (const auto& input : run.inputs) {
+    manifest.inputs.push_back({input.path, input.bytes, input.modified_ns});
+    known &= input.points.has_value();
+    if (!known) continue;
+    manifest.inputs.back().ids = {first, *input.points};
+    first += *input.points;
+  }
   manifest.dimension = run.dimension;
   manifest.crs = run.crs;
   manifest.partition_kind = name_of(run.partition.kind());

@@ -20,6 +20,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/result/old_versions.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/result/store/duplicates.h"
 #include "src/result/store/manifest.h"
 #include "src/result/store/packed_array.h"
@@ -55,6 +56,7 @@ std::set<fs::path> file_names(const Manifest& manifest) {
   std::set<fs::path> names;
   for (const TileEntry& entry : manifest.tiles) names.insert(tile_file("", entry));
   if (manifest.duplicates_xxh3 != 0) names.insert(duplicates_of("", manifest));
+  if (manifest.duplicate_rows_xxh3 != 0) names.insert(duplicate_rows_of("", manifest));
   return names;
 }
 
@@ -62,9 +64,9 @@ bool is_of_tile(const fs::path& name) {
   return version_of_tile_file(name) || (is_tile_name(name) && (kind_of_tile_file(name) || is_temporary_name(name)));
 }
 
-// A file without its temporary ending.
 bool is_of_duplicates(const fs::path& name) {
-  return is_duplicates_name(name) || (is_temporary_name(name) && is_duplicates_name(name.stem()));
+  const auto final_name = is_temporary_name(name) ? name.stem() : name;
+  return is_duplicates_name(final_name) || is_duplicate_rows_name(final_name);
 }
 
 std::int64_t now_in_seconds() {
@@ -245,17 +247,26 @@ void NewVersion::remove_tile(std::size_t index) {
   removed_.insert(source_.entry(index).tile);
 }
 
-// An equal list may exist already, as that of an older version.
-Status NewVersion::replace_duplicates(std::span<const DuplicatePair> pairs) {
+Status NewVersion::replace_duplicates(std::span<const DuplicatePair> pairs, DuplicateRowSort* rows) {
+  const fs::path& out = source_.folder();
   next_.format_version = updated_format;
   next_.duplicates = pairs.size();
-  next_.duplicates_xxh3 = 0;
+  next_.duplicates_xxh3 = next_.duplicate_rows_xxh3 = 0;
   duplicates_replaced_ = true;
   if (pairs.empty()) return success();
-  TemporaryFile temporary(temporary_name_of_process(duplicates_file(source_.folder())));
-  BOOST_OUTCOME_TRY(written, store::write_pairs(temporary.path(), duplicates_file(source_.folder()), pairs));
+  TemporaryFile of_pairs(temporary_name_of_process(duplicates_file(out)));
+  BOOST_OUTCOME_TRY(written, store::write_pairs(of_pairs.path(), duplicates_file(out), pairs));
   next_.duplicates_xxh3 = written.xxh3;
-  const auto final_name = duplicates_of(source_.folder(), next_);
+  BOOST_OUTCOME_TRYV(publish_file(of_pairs, duplicates_of(out, next_)));
+  if (rows == nullptr) return success();
+  TemporaryFile of_rows(temporary_name_of_process(duplicate_rows_file(out)));
+  BOOST_OUTCOME_TRY(xxh3, store::write_rows(of_rows.path(), duplicate_rows_file(out), *rows, pairs.size()));
+  next_.duplicate_rows_xxh3 = xxh3;
+  return publish_file(of_rows, duplicate_rows_of(out, next_));
+}
+
+// An equal file may exist already, as that of an older version.
+Status NewVersion::publish_file(TemporaryFile& temporary, const fs::path& final_name) {
   BOOST_OUTCOME_TRY(there, is_there(final_name));
   if (there) return success();
   BOOST_OUTCOME_TRYV(lock_.heard());
@@ -265,11 +276,19 @@ Status NewVersion::replace_duplicates(std::span<const DuplicatePair> pairs) {
   return success();
 }
 
-// The list of an older format has another name.
+// The files of an older format have other names.
 Status NewVersion::bring_duplicates() {
-  if (duplicates_replaced_ || next_.duplicates_xxh3 == 0) return success();
   const fs::path& out = source_.folder();
-  const auto from = duplicates_of(out, source_.manifest()), to = duplicates_of(out, next_);
+  const Manifest& old = source_.manifest();
+  if (duplicates_replaced_) return success();
+  if (old.duplicates_xxh3 != 0) {
+    BOOST_OUTCOME_TRYV(bring(duplicates_of(out, old), duplicates_of(out, next_)));
+  }
+  if (old.duplicate_rows_xxh3 == 0) return success();
+  return bring(duplicate_rows_of(out, old), duplicate_rows_of(out, next_));
+}
+
+Status NewVersion::bring(const fs::path& from, const fs::path& to) {
   BOOST_OUTCOME_TRY(there, is_there(to));
   if (there) return success();
   if (::link(from.c_str(), to.c_str()) != 0) {

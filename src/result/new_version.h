@@ -37,6 +37,8 @@
 
 namespace tessera {
 
+class DuplicateRowSort;  // src/result/store/duplicate_rows.h
+
 struct VersionOptions {
   LockOptions lock = {};
   // How many of the newest versions stay readable, from now on; at least 1. Nothing: as many as before.
@@ -84,8 +86,9 @@ class NewVersion {
   Status add_tile(TileEntry entry, const std::filesystem::path& file);
   // The new version does not have this tile.
   void remove_tile(std::size_t index);
-  // The duplicates of the new version, ascending. Without a call they stay as they are. Error io.
-  Status replace_duplicates(std::span<const DuplicatePair> pairs);
+  // The duplicates of the new version, ascending, and their attributes, if they are known. Without a call they stay as
+  // they are. Error io.
+  Status replace_duplicates(std::span<const DuplicatePair> pairs, DuplicateRowSort* rows = nullptr);
   // The manifest of the new version. Callers that change points set its bounds, inputs and numbers of points; they may
   // change the entries of tiles that stay. commit() sets all that follows from tiles, columns and duplicates.
   Manifest& manifest() { return next_; }
@@ -102,7 +105,9 @@ class NewVersion {
   Status remove_unless(const std::set<std::filesystem::path>& needed) const;
   Status read_log(std::optional<std::uint32_t> keep);
   Status publish_tile(TileEntry entry, const std::filesystem::path& file);
+  Status publish_file(TemporaryFile& temporary, const std::filesystem::path& final_name);
   Status bring_duplicates();
+  Status bring(const std::filesystem::path& from, const std::filesystem::path& to);
   void describe(std::vector<ResultColumn> columns);
   VersionEntry log_entry(const VersionNote& note) const;
   Status sync() const;

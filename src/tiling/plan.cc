@@ -209,6 +209,10 @@ class PlanReader {
         return bad("an input has no path, size or time");
       }
       input.modified_ns = modified;
+      if (const json& points = at(from, "points"); !points.is_null()) {
+        if (!read_unsigned(points, input.points.emplace()) || *input.points > run_.counts.read)
+          return bad("an input has an impossible number of points");
+      }
       run_.inputs.push_back(std::move(input));
     }
     std::string keep(name_of(run_.keep));
@@ -301,6 +305,7 @@ Result<std::uint64_t> write_plan(const RoutedCloud& run) {
   json inputs = json::array();
   for (const InputFile& i : run.inputs) {
     inputs.push_back({{"path", i.path}, {"bytes", i.bytes}, {"modified_ns", i.modified_ns}});
+    if (i.points) inputs.back()["points"] = *i.points;
   }
   json plan{{"version", format_version},
             {"partition", parse_json(run.partition.to_json())},

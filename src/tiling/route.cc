@@ -211,6 +211,8 @@ Result<RoutedCloud> route(const Cloud& cloud, const std::filesystem::path& folde
                                    [&](std::uint64_t points) { progress.points_routed += points; }));
   }
   run.counts = routed.counts;
+  for (std::size_t i = 0; i < std::min(run.inputs.size(), routed.of_files.size()); ++i)
+    run.inputs[i].points = routed.of_files[i];
   BOOST_OUTCOME_TRYV(check_span(cloud, run.dimension, run.counts, routed.span.rank()));
   if (options.tiles == 0 && options.max_points_per_tile > 0) {
     BOOST_OUTCOME_TRYV(split_large_tiles(run.partition, writer, folder, row, options.max_points_per_tile,

@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -35,6 +36,7 @@ struct InputFile {
   std::string path;
   std::uint64_t bytes = 0;
   std::int64_t modified_ns = 0;
+  std::optional<std::uint64_t> points = {};  // that were read; runs of older programs lack it
   friend bool operator==(const InputFile&, const InputFile&) = default;
 };
 

@@ -1,5 +1,6 @@
 #include "src/tiling/routed_points.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "src/base/flat_codec.h"
@@ -35,6 +36,8 @@ void RoutedPoints::append(const RoutedPoints& next) {
   seeds.add(next.seeds, first_id);
   span.add(next.span, first_id);
   counts.add(next.counts);
+  of_files.resize(std::max(of_files.size(), next.of_files.size()));
+  for (std::size_t i = 0; i < next.of_files.size(); ++i) of_files[i] += next.of_files[i];
 }
 
 std::vector<Segment> RoutedPoints::take(TileId tile) {
@@ -58,6 +61,7 @@ BigVector<std::byte> to_bytes(const RoutedPoints& routed) {
   routed.seeds.write(to);
   routed.span.write(to);
   to.value(routed.counts);
+  to.list(routed.of_files);
   return to.take();
 }
 
@@ -74,7 +78,8 @@ bool from_bytes(std::span<const std::byte> bytes, std::uint32_t tiles, RoutedPoi
       if (segment.bundle >= routed.bundles.size()) return false;
     }
   }
-  return routed.seeds.read(from, tiles) && routed.span.read(from) && from.value(routed.counts) && from.at_end();
+  return routed.seeds.read(from, tiles) && routed.span.read(from) && from.value(routed.counts) &&
+         from.list(routed.of_files) && from.at_end();
 }
 
 }  // namespace tessera

@@ -23,7 +23,8 @@ struct RoutedPoints {
   std::vector<Bounds> bounds;                  // by tile: the bounds of its points
   SeedFinder seeds;
   AffineBasis span;
-  CloudCounts counts;  // of the input
+  CloudCounts counts;                   // of the input
+  std::vector<std::uint64_t> of_files;  // by input file: how many of its points were read
 
   void resize(std::uint32_t tiles);
   std::uint64_t points_of(TileId tile) const;

@@ -31,7 +31,7 @@ Status write_split(const Cloud& cloud, const InputSplit& split, const Partition&
     more(batch.points.size());
     return success();
   };
-  BOOST_OUTCOME_TRY(counts, cloud.for_each_batch(split, visit));
+  BOOST_OUTCOME_TRY(counts, cloud.for_each_batch(split, visit, &routed.of_files));
   routed.counts = counts;
   return writer.flush(partition);
 }

@@ -207,6 +207,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            duplicates_file("r"),
                            duplicates_file("r", 7),
                            version_log_file("r"),
+                           duplicate_rows_file("r"),
                            report_file("r"),
                            lock_folder("r"),
                            run_folder("r"),
@@ -222,7 +223,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            routed_split_file("r", 42),
                            settled_file("r", NodeId{3}),
                            settled_marker("r")};
-  std::size_t expected = 23;
+  std::size_t expected = 24;
   for (const auto kind : scratch_kinds) {
     names.insert(scratch_folder("r", kind));
     names.insert(scratch_file("r", kind, tile));

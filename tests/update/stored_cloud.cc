@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "src/geometry/reference/reference.h"
 #include "src/result/store/digest.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/result/store/points_tile.h"
 #include "src/tiling/routed_cloud.h"
 #include "src/tiling/tile/rebuild.h"
@@ -79,6 +81,14 @@ std::vector<std::byte> StoredCloud::rows_of(const std::vector<PointId>& ids) con
   return rows;
 }
 
+HeightsOf StoredCloud::heights() const {
+  return [this](std::span<const PointId> ids) -> Result<std::vector<double>> {
+    std::vector<double> heights(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) std::memcpy(&heights[i], row_of(ids[i]).data(), sizeof(double));
+    return heights;
+  };
+}
+
 Manifest StoredCloud::store(const std::filesystem::path& out) const {
   Manifest manifest;
   manifest.software_version = "test";
@@ -97,6 +107,8 @@ Manifest StoredCloud::store(const std::filesystem::path& out) const {
   std::vector<DuplicatePair> duplicates;
   for (const auto& [tile, list] : own) {
     loaded[tile] = order_points(list, dimension);
+    const auto chosen = choose_kept(keep, is_by_height(keep) ? heights() : HeightsOf(), loaded[tile]);
+    EXPECT_TRUE(chosen) << chosen.error().where;
     for (std::size_t i = 0; i < loaded[tile].ids.size(); ++i) {
       const PointId id = loaded[tile].ids[i];
       owners[id] = tile;
@@ -135,7 +147,15 @@ Manifest StoredCloud::store(const std::filesystem::path& out) const {
   manifest.points_read = points_read;
   manifest.filtered = points_read - points.size();
   std::sort(duplicates.begin(), duplicates.end());
-  const Status finished = finish_store(out, manifest, duplicates);
+  manifest.keep = keep;
+  std::optional<DuplicateRowSort> rows;
+  if (duplicate_rows && !schema.empty()) rows.emplace(out, 1 << 20, row_bytes(schema));
+  for (const DuplicatePair& pair : duplicates) {
+    if (rows) {
+      EXPECT_TRUE(rows->push(pair.duplicate, rows_of({pair.duplicate})));
+    }
+  }
+  const Status finished = finish_store(out, manifest, duplicates, rows ? &*rows : nullptr);
   EXPECT_TRUE(finished) << (finished ? "" : finished.error().where);
   return manifest;
 }

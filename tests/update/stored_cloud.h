@@ -7,8 +7,10 @@
 #include <functional>
 #include <vector>
 
+#include "src/base/duplicate_policy.h"
 #include "src/base/point.h"
 #include "src/result/store/tile_store.h"
+#include "src/tiling/kept_points.h"
 #include "src/tiling/partition.h"
 
 namespace tessera::testing {
@@ -16,7 +18,9 @@ namespace tessera::testing {
 struct StoredCloud {
   int dimension = 3;
   Partition partition;
-  std::vector<LocalPoint> points;  // of equal points the lowest source index is the vertex
+  std::vector<LocalPoint> points;
+  DuplicatePolicy keep = DuplicatePolicy::first;  // by height: the schema begins with z
+  bool duplicate_rows = true;                     // older software wrote none
   std::uint64_t points_read = 0;
   std::vector<Attribute> schema = {};
   // The attributes of a point; nothing: some_rows(), for some_schema().
@@ -24,6 +28,7 @@ struct StoredCloud {
   std::function<TileKind(TileId)> kind_of = [](TileId) { return TileKind::cells; };
 
   std::vector<std::byte> rows_of(const std::vector<PointId>& ids) const;
+  HeightsOf heights() const;
   // Writes the result. REQUIRES: the points span space.
   Manifest store(const std::filesystem::path& out) const;
 };

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <memory>
 #include <random>
 #include <set>
 #include <string>
@@ -20,6 +21,7 @@
 #include "src/geometry/reference/reference.h"
 #include "src/result/tile_source.h"
 #include "src/result/verify/verify.h"
+#include "src/result/voronoi/clip_region.h"
 #include "tests/store/sample_result.h"
 #include "tests/update/stored_cloud.h"
 
@@ -66,7 +68,7 @@ class Update : public ::testing::Test {
     ResultChange out{.add = add, .rows = {}, .remove = remove};
     std::vector<PointId> ids;
     for (std::size_t i = 0; i < add.size(); ++i) ids.push_back(PointId{cloud_.points_read + i});
-    if (!cloud_.schema.empty()) out.rows = some_rows(ids);
+    if (!cloud_.schema.empty()) out.rows = cloud_.rows_of(ids);
     return out;
   }
   // The same change of the points themselves.
@@ -117,6 +119,7 @@ void Update::expect_as_from_scratch() const {
   EXPECT_EQ(got.filtered, expected.filtered);
   EXPECT_EQ(got.bounds, expected.bounds);
   EXPECT_EQ(got.duplicates_xxh3, expected.duplicates_xxh3);
+  EXPECT_EQ(got.duplicate_rows_xxh3, expected.duplicate_rows_xxh3);
   ASSERT_EQ(got.tiles.size(), expected.tiles.size());
   std::vector<TileMesh> meshes;
   for (std::size_t i = 0; i < got.tiles.size(); ++i) {
@@ -131,11 +134,13 @@ void Update::expect_as_from_scratch() const {
     auto tile = source.read(i, {.cells = true, .rows = !cloud_.schema.empty()});
     ASSERT_TRUE(tile) << tile.error().where;
     if (!cloud_.schema.empty()) {
-      EXPECT_EQ(tile.value().rows, some_rows(tile.value().mesh.ids));
+      EXPECT_EQ(tile.value().rows, cloud_.rows_of(tile.value().mesh.ids));
     }
     meshes.push_back(std::move(tile.value().mesh));
   }
-  EXPECT_EQ(difference(global_delaunay(cloud_.points, cloud_.dimension), main_cells(meshes)), "");
+  if (cloud_.keep == DuplicatePolicy::first) {
+    EXPECT_EQ(difference(global_delaunay(cloud_.points, cloud_.dimension), main_cells(meshes)), "");
+  }
   const auto verified = verify(now(), {}, {});
   EXPECT_TRUE(verified) << verified.error().where;
 }
@@ -186,6 +191,92 @@ INSTANTIATE_TEST_SUITE_P(Cases, UpdateOf, ::testing::ValuesIn(cases()), [](const
          (info.param.store == TileKind::cells ? "cells" : "points");
 });
 
+// Points at few places, most of them with duplicates, in changes of duplicates, vertices and whole places.
+struct EqualCase {
+  int dimension;
+  std::uint32_t tiles;
+  TileKind store;
+  DuplicatePolicy keep;
+  bool attributes = true;
+};
+
+class UpdateOfEqualPoints : public Update, public ::testing::WithParamInterface<EqualCase> {
+ protected:
+  // Few different heights, and some that are unknown.
+  static std::vector<std::byte> row_of(PointId id) {
+    const std::uint32_t some = some_value(id);
+    const double height = some % 11 == 0 ? std::numeric_limits<double>::quiet_NaN() : some / 7 % 4;
+    std::vector<std::byte> row(sizeof height + sizeof some);
+    std::memcpy(row.data(), &height, sizeof height);
+    std::memcpy(row.data() + sizeof height, &some, sizeof some);
+    return row;
+  }
+  Point some_place() {
+    const auto axis = [&](int wide) { return static_cast<double>(rng_() % static_cast<unsigned>(wide)); };
+    return GetParam().dimension == 2 ? Point{axis(8), axis(8), 0} : Point{axis(4), axis(4), axis(4)};
+  }
+  void make_equal() {
+    const EqualCase& c = GetParam();
+    rng_.seed(11);
+    make({"lattice", c.dimension, c.tiles, PartitionKind::kdtree, c.store}, 8, 11, c.attributes);
+    Bounds bounds;
+    std::vector<Point> places;
+    for (int i = 0; i < 400; ++i) places.push_back(some_place());
+    for (const Point& p : places) bounds.add(p);
+    cloud_.partition = Partition::build_tiles(PartitionKind::kdtree, c.dimension, places, bounds, c.tiles);
+    cloud_.points.clear();
+    for (std::size_t i = 0; i < places.size(); ++i) cloud_.points.push_back({places[i], PointId{i}});
+    cloud_.points_read = places.size();
+    cloud_.keep = c.keep;
+    if (c.attributes) {
+      cloud_.schema = {{"z", AttributeType::f64}, {"some", AttributeType::u32}};
+      if (c.dimension == 3) cloud_.schema[0].name = "height";
+      cloud_.row_of = row_of;
+    }
+    fs::remove_all(now());
+    cloud_.store(now());
+  }
+};
+
+TEST_P(UpdateOfEqualPoints, IsTheResultFromScratchWithTheAttributesOfThePointsThatAreLeft) {
+  make_equal();
+  for (int step = 0; step < 6; ++step) {
+    SCOPED_TRACE("change " + std::to_string(step));
+    std::vector<PointId> remove;
+    const Point emptied = some_place();
+    for (const LocalPoint& p : cloud_.points) {
+      if (step == 2 ? p.at == emptied || p.at == Point{1, 1, 0} : rng_() % 4 == 0) remove.push_back(p.id);
+    }
+    std::vector<Point> add;
+    for (int k = 0; k < (step == 1 ? 0 : 60); ++k) add.push_back(some_place());
+    if (step == 3) add.push_back({9, 9, 0});
+    if (step == 3) add.push_back({9, 9, 0});
+    update(change(step == 4 ? std::vector<PointId>{} : remove, add), 2);
+    expect_as_from_scratch();
+  }
+}
+
+std::vector<EqualCase> equal_cases() {
+  std::vector<EqualCase> out;
+  for (const std::uint32_t tiles : {1, 7, 60}) {
+    for (const TileKind store : {TileKind::cells, TileKind::points}) {
+      out.push_back({3, tiles, store, DuplicatePolicy::first});
+      for (const auto keep :
+           {DuplicatePolicy::first, DuplicatePolicy::last, DuplicatePolicy::lowest, DuplicatePolicy::highest})
+        out.push_back({2, tiles, store, keep});
+    }
+  }
+  out.push_back({2, 7, TileKind::cells, DuplicatePolicy::first, false});
+  out.push_back({2, 7, TileKind::points, DuplicatePolicy::last, false});
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, UpdateOfEqualPoints, ::testing::ValuesIn(equal_cases()), [](const auto& info) {
+  return std::string(name_of(info.param.keep)) + std::to_string(info.param.dimension) + "of" +
+         std::to_string(info.param.tiles) + (info.param.store == TileKind::cells ? "cells" : "points") +
+         (info.param.attributes ? "" : "alone");
+});
+
 // Of a cloud with a class for each point.
 class Selection : public ::testing::Test {
  protected:
@@ -201,9 +292,14 @@ class Selection : public ::testing::Test {
     cloud_.points.push_back({places_[7], PointId{id++}});  // a duplicate
     cloud_.points_read = id;
     cloud_.partition = Partition::build_tiles(PartitionKind::kdtree, 2, places_, bounds, 9);
-    cloud_.schema = {{"some", AttributeType::u8}, {"classification", AttributeType::u8}};
+    cloud_.schema = {
+        {"some", AttributeType::u8}, {"classification", AttributeType::u8}, {"gps_time", AttributeType::f64}};
     cloud_.row_of = [](PointId point) {
-      return std::vector<std::byte>{std::byte{9}, static_cast<std::byte>(point.value % 5)};
+      std::vector<std::byte> row{std::byte{9}, static_cast<std::byte>(point.value % 5)};
+      const double time = time_of(point);
+      row.resize(2 + sizeof time);
+      std::memcpy(&row[2], &time, sizeof time);
+      return row;
     };
     cloud_.store(folder_.path() / "r");
   }
@@ -213,18 +309,82 @@ class Selection : public ::testing::Test {
     EXPECT_TRUE(selected) << (selected ? "" : selected.error().where);
     return selected ? selected.value() : std::vector<PointId>{};
   }
+  static double time_of(PointId point) {
+    return point.value % 13 == 7 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(point.value % 13);
+  }
+  // Those for which `wanted` holds.
+  template <class Wanted>
+  std::vector<PointId> points_with(const Wanted& wanted) const {
+    std::vector<PointId> ids;
+    for (const LocalPoint& p : cloud_.points) {
+      if (wanted(p)) ids.push_back(p.id);
+    }
+    return ids;
+  }
+
   StoredCloud cloud_;
   std::vector<Point> places_;
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(Selection, HasTheVerticesOfABoxOrAClassAndTheirDuplicates) {
+TEST_F(Selection, HasThePointsOfTimesInputsPlacesAndPolygons) {
+  EXPECT_EQ(select({.times = PointSelection::Times{3, 5}}),
+            points_with([](const LocalPoint& p) { return time_of(p.id) >= 3 && time_of(p.id) <= 5; }));
+  EXPECT_EQ(
+      select({.inputs = {{10, 20}, {290, std::numeric_limits<std::uint64_t>::max()}}}),
+      points_with([](const LocalPoint& p) { return (p.id.value >= 10 && p.id.value < 30) || p.id.value >= 290; }));
+  EXPECT_EQ(select({.places = {places_[7], {7, 7, 0}, places_[40]}}),
+            points_with([&](const LocalPoint& p) { return p.at == places_[7] || p.at == places_[40]; }));
+  // a polygon with one of the points as a corner, and one far away
+  const std::vector<std::vector<Point>> ring{{{0, 0, 0}, {1, 0, 0}, places_[9]}},
+      far{{{8, 8, 0}, {9, 8, 0}, {8, 9, 0}}};
+  voronoi::ClipRegion region;
+  region.add(ring);
+  region.add(far);
+  region.index();
+  const Point& top = places_[9];
+  const auto inside = points_with([&](const LocalPoint& p) {
+    const Point& q = p.at;
+    return top.x * q.y - top.y * q.x <= 0 && (1 - top.x) * q.y + top.y * (q.x - 1) <= 0;
+  });
+  EXPECT_TRUE(std::find(inside.begin(), inside.end(), PointId{9}) != inside.end());
+  EXPECT_EQ(select({.regions = {std::make_shared<const voronoi::ClipRegion>(region)}}), inside);
+}
+
+// A result of older software has no attributes of duplicates: they count as their vertices.
+TEST_F(Selection, OfAClassTakesDuplicatesWithTheirVerticesWhereNothingElseIsKnown) {
+  cloud_.duplicate_rows = false;
+  fs::remove_all(folder_.path() / "r");
+  cloud_.store(folder_.path() / "r");
+  EXPECT_EQ(select({.classes = {2}}),
+            points_with([&](const LocalPoint& p) { return (p.id.value == places_.size() ? 7 : p.id.value) % 5 == 2; }));
+}
+
+TEST_F(Selection, OfAnInputIsFoundByItsPathAndToldWhenItIsNotClear) {
+  Manifest manifest;
+  using Ids = Manifest::Input::Ids;
+  manifest.inputs = {
+      {"/a/one.las", 1, 1, Ids{0, 10}}, {"/a/two.las", 1, 1, Ids{10, 5}}, {"/a/one.las", 1, 1, Ids{15, 7}}};
+  const auto asked = [&](const std::string& file) { return ids_of_input("r", manifest, file); };
+  EXPECT_EQ(asked("/a/two.las").value(), (Ids{10, 5}));
+  EXPECT_EQ(asked("/a/b/../two.las").value(), (Ids{10, 5}));
+  EXPECT_EQ(asked("/a/one.las@15").value(), (Ids{15, 7}));
+  EXPECT_EQ(
+      asked("/a/one.las").error().where,
+      "r: '/a/one.las' was read 2 times (points 0 to 9, points 15 to 21); name one of them by its first point, for "
+      "example '/a/one.las@15'");
+  EXPECT_EQ(asked("/a/one.las@16").error().where,
+            "r: no points came from '/a/one.las@16'; the inputs are /a/one.las, /a/two.las, /a/one.las");
+  manifest.inputs[1].ids.reset();
+  EXPECT_NE(asked("/a/two.las").error().where.find("older software wrote it"), std::string::npos);
+}
+
+TEST_F(Selection, HasThePointsOfABoxOrAClass) {
   const Box box{{0.2, 0.1, -1}, {0.4, 0.9, 1}};
   std::vector<PointId> in_box, of_class;
   for (const LocalPoint& p : cloud_.points) {
-    const bool duplicate = p.id.value == places_.size();
     if (box.lo.x <= p.at.x && p.at.x <= box.hi.x && box.lo.y <= p.at.y && p.at.y <= box.hi.y) in_box.push_back(p.id);
-    if ((duplicate ? 7 : p.id.value) % 5 == 2) of_class.push_back(p.id);
+    if (p.id.value % 5 == 2) of_class.push_back(p.id);
   }
   EXPECT_EQ(select({.box = box}), in_box);
   EXPECT_EQ(select({.classes = {2}}), of_class);
@@ -309,13 +469,20 @@ TEST_F(Update, TakesNewPointsAtOldPlacesAsDuplicates) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, RemovesAVertexWithAttributesTogetherWithItsDuplicatesAlone) {
+TEST_F(Update, OfAResultWithoutTheAttributesOfDuplicatesRemovesAVertexTogetherWithItsDuplicatesAlone) {
   make(usual, 300, seed, true);
-  update(change({}, {cloud_.points[40].at}));
+  cloud_.points.push_back({cloud_.points[40].at, PointId{cloud_.points_read++}});
+  cloud_.duplicate_rows = false;
+  fs::remove_all(now());
+  cloud_.store(now());
+  update(change({PointId{50}}, {cloud_.points[41].at}));
   expect_as_from_scratch();
   EXPECT_NE(refusal(change({PointId{40}}, {})).find("point 40 cannot be removed alone"), std::string::npos);
-  update(change({PointId{40}, PointId{cloud_.points_read - 1}}, {}));
-  expect_as_from_scratch();
+  update(change({PointId{40}, PointId{cloud_.points_read - 2}}, {}));
+  cloud_.duplicate_rows = true;  // those that are left came with the change
+  cloud_.store(folder_.path() / "with");
+  const Manifest manifest = read_manifest(now()).value();
+  EXPECT_EQ(manifest.duplicate_rows_xxh3, 0u);
 }
 
 TEST_F(Update, ReplacesAllPoints) {

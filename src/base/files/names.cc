@@ -97,6 +97,16 @@ const char* folder_name(ScratchKind kind) {
   return "";
 }
 
+// Whether the name is `stem`.bin, or `stem`-SUM.bin with a checksum.
+bool is_named_by_sum(const fs::path& file, const std::string& stem) {
+  const auto name = file.filename().string();
+  if (name == stem + ".bin") return true;
+  constexpr std::size_t digits = 16;
+  const std::size_t first = stem.size() + 1;
+  if (name.size() != first + digits + 4 || !name.starts_with(stem + "-") || !name.ends_with(".bin")) return false;
+  return name.find_first_not_of("0123456789abcdef", first) == first + digits;
+}
+
 }  // namespace
 
 fs::path manifest_file(const fs::path& out) { return out / "manifest.json"; }
@@ -160,13 +170,12 @@ fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
 fs::path duplicates_file(const fs::path& out, std::uint64_t xxh3) {
   return out / ("duplicates-" + checksum_text(xxh3) + ".bin");
 }
-bool is_duplicates_name(const fs::path& file) {
-  const auto name = file.filename().string();
-  constexpr std::size_t first = 11, digits = 16;  // behind "duplicates-"
-  if (name == duplicates_file("")) return true;
-  if (name.size() != first + digits + 4 || !name.starts_with("duplicates-") || !name.ends_with(".bin")) return false;
-  return name.find_first_not_of("0123456789abcdef", first) == first + digits;
+bool is_duplicates_name(const fs::path& file) { return is_named_by_sum(file, "duplicates"); }
+fs::path duplicate_rows_file(const fs::path& out) { return out / "duplicate-rows.bin"; }
+fs::path duplicate_rows_file(const fs::path& out, std::uint64_t xxh3) {
+  return out / ("duplicate-rows-" + checksum_text(xxh3) + ".bin");
 }
+bool is_duplicate_rows_name(const fs::path& file) { return is_named_by_sum(file, "duplicate-rows"); }
 fs::path report_file(const fs::path& out) { return out / "report.html"; }
 fs::path lock_folder(const fs::path& out) { return out / ".lock"; }
 fs::path new_lock_folder(const fs::path& out, const std::string& owner) {
@@ -290,7 +299,8 @@ fs::path temporary_name_of_process(const fs::path& final_name) {
 
 bool is_result_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
-  return name == manifest_file("") || name == master_file("") || is_duplicates_name(name) || name == report_file("") ||
+  return name == manifest_file("") || name == master_file("") || is_duplicates_name(name) ||
+         is_duplicate_rows_name(name) || name == report_file("") ||
          name == "triangulation.vtkhdf";  // the master file of format 1
 }
 

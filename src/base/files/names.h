@@ -119,6 +119,10 @@ std::filesystem::path duplicates_file(const std::filesystem::path& out);
 // The duplicates of a version of format 5, by the checksum of the file.
 std::filesystem::path duplicates_file(const std::filesystem::path& out, std::uint64_t xxh3);
 bool is_duplicates_name(const std::filesystem::path& file);
+// The attributes of the points in duplicates_file().
+std::filesystem::path duplicate_rows_file(const std::filesystem::path& out);
+std::filesystem::path duplicate_rows_file(const std::filesystem::path& out, std::uint64_t xxh3);
+bool is_duplicate_rows_name(const std::filesystem::path& file);
 std::filesystem::path report_file(const std::filesystem::path& out);
 std::filesystem::path lock_folder(const std::filesystem::path& out);
 std::filesystem::path new_lock_folder(const std::filesystem::path& out, const std::string& owner);

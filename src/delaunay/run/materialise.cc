@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@
 #include "src/delaunay/run/touching.h"
 #include "src/exchange/disk_scratch.h"
 #include "src/result/new_version.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/result/store/early_cells.h"
 #include "src/result/tile_queue.h"
 #include "src/result/tile_source.h"
@@ -232,6 +234,8 @@ Result<Materialised> in_place(const fs::path& result, const MaterialiseOptions& 
   return made;
 }
 
+constexpr std::uint64_t sort_bytes = std::uint64_t{64} << 20;  // for the attributes of duplicates
+
 // Makes a hard link, or a copy where the file system has no hard links.
 Status copy_tile(const fs::path& from, const fs::path& to) {
   if (::link(from.c_str(), to.c_str()) == 0) return success();
@@ -266,11 +270,17 @@ Result<Materialised> into_folder(const fs::path& result, const MaterialiseOption
     BOOST_OUTCOME_TRYV(copy_tile(source.file(i), tile_file(folder.path(), manifest.tiles[i])));
   }
   std::vector<DuplicatePair> pairs;
+  std::optional<DuplicateRowSort> rows;
   if (manifest.duplicates_xxh3 != 0) {
     BOOST_OUTCOME_TRY(read, read_duplicates(source.folder(), manifest));
     pairs = std::move(read);
+    BOOST_OUTCOME_TRY(kept, DuplicateRows::open(result, manifest));
+    if (kept) rows.emplace(folder.path(), sort_bytes, row_bytes(carried_schema(manifest)));
+    for (std::size_t i = 0; kept && i < pairs.size(); ++i) {
+      BOOST_OUTCOME_TRYV(rows->push(pairs[i].duplicate, kept->row(i)));
+    }
   }
-  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, pairs));
+  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, pairs, rows ? &*rows : nullptr));
   BOOST_OUTCOME_TRYV(rename_file(folder.path(), options.to));
   folder.keep();
   return made;

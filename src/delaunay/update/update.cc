@@ -105,6 +105,7 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
                                   ": another program has changed the result meanwhile; run the command "
                                   "again, so that points are chosen from the present version");
   if (!options.dry_run && !options.to.empty()) {
+    if (options.to.empty()) return error(Errc::usage, result.string() + ": no folder for the new result is given");
     BOOST_OUTCOME_TRY(there, is_there(options.to));
     if (there) return error(Errc::usage, options.to.string() + ": exists already");
   }
@@ -123,7 +124,7 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
 
   UpdateExchange exchange(setting, options.threads);
   BOOST_OUTCOME_TRYV(exchange.run());
-  Updated updated{.first_new = plan.first_new, .removed = plan.removed_points};
+  Updated updated{.first_new = plan.first_new, .removed = plan.removed_points, .duplicates = plan.new_equal};
   for (const auto& [id, tile] : exchange.tiles()) {
     updated.begun += tile->begins() ? 1 : 0;
     updated.awake += tile->awake() ? 1 : 0;
@@ -156,10 +157,12 @@ Status check_changeable(const fs::path& result, const Manifest& manifest) {
     return refuse("the result has the computed column '" + dear->name +
                   "', which depends on more than cells and would not be right afterwards; change the result as it was "
                   "before this column was computed");
-  if (manifest.keep != DuplicatePolicy::first)
-    return refuse(
-        "heights decide which of equal points is the vertex of this result, and results do not keep the "
-        "heights of the other points; such a result cannot be changed");
+  const bool rows_missing =
+      manifest.duplicates_xxh3 != 0 && manifest.duplicate_rows_xxh3 == 0 && !manifest.schema.empty();
+  if (manifest.keep != DuplicatePolicy::first && rows_missing)
+    return refuse("the " + std::string(name_of(manifest.keep)) +
+                  " of equal points is the vertex of this result, and results of older software do not keep the "
+                  "attributes of the other points; triangulate again");
   return success();
 }
 

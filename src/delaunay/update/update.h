@@ -34,10 +34,11 @@ struct UpdateOptions {
   std::filesystem::path to = {};
   VersionOptions version = {};  // of a change of the result itself
   unsigned threads = 1;
-  bool dry_run = false;                      // write nothing, and only find out what would change
-  std::vector<std::string> command = {};     // for the manifest
-  std::string software_version = {};         // for the manifest
-  std::vector<Manifest::Input> inputs = {};  // of the new points, for the manifest
+  bool dry_run = false;                   // write nothing, and only find out what would change
+  std::vector<std::string> command = {};  // for the manifest
+  std::string software_version = {};      // for the manifest
+  // Of the new points, for the manifest. Their source indices count from 0, the first new point.
+  std::vector<Manifest::Input> inputs = {};
 };
 
 struct Updated {

@@ -1,39 +1,52 @@
 #include "src/delaunay/update/update_plan.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
+
+#include "src/delaunay/update/equal_points.h"
+#include "src/tiling/kept_points.h"
 
 namespace tessera {
 namespace {
 
-// Sorts out which of the points to be removed are duplicates. Returns those that must be vertices.
+// Sorts out which of the points to be removed are duplicates, and which duplicates take the places of vertices. Returns
+// the points that must be vertices.
 Result<PointIds> remove_duplicates(const TileSource& source, const PointIds& wanted, UpdatePlan& plan) {
   const Manifest& manifest = source.manifest();
+  const std::optional<std::size_t> height_at = height_offset(manifest.dimension, manifest.schema);
   PointIds vertices = wanted;
-  if (manifest.duplicates_xxh3 == 0) return vertices;
-  BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), manifest));
-  for (const DuplicatePair& pair : pairs) {  // ascending
-    if (wanted.contains(pair.duplicate)) {
-      vertices.erase(pair.duplicate);
+  std::map<PointId, KeptCandidate> heirs;
+  const auto& pairs = plan.old.pairs();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (wanted.contains(pairs[i].duplicate)) {
+      vertices.erase(pairs[i].duplicate);
       plan.duplicates_changed = true;
-      continue;
-    }
-    DuplicatePair left = pair;
-    if (wanted.contains(pair.kept)) {
-      const auto [heir, first] = plan.heirs.emplace(pair.kept, pair.duplicate);
+    } else if (wanted.contains(pairs[i].kept)) {
+      KeptCandidate other{pairs[i].duplicate};
+      if (height_at && plan.old.has_rows()) other.height = height_in(plan.old.row_of(i), *height_at);
+      const auto [heir, first] = heirs.emplace(pairs[i].kept, other);
+      if (!first && is_kept_before(manifest.keep, other, heir->second)) heir->second = other;
       plan.duplicates_changed = true;
-      if (first) continue;
-      left.kept = heir->second;
     }
-    plan.duplicates.push_back(left);
   }
-  if (!plan.heirs.empty() && !manifest.schema.empty())
+  for (const auto& [vertex, heir] : heirs) plan.heirs[vertex] = heir.id;
+  if (!plan.heirs.empty() && !manifest.schema.empty() && !plan.old.has_rows())
     return error(Errc::usage,
                  source.folder().string() + ": point " + to_string(plan.heirs.begin()->first) +
                      " cannot be removed alone: point " + to_string(plan.heirs.begin()->second) +
-                     " has the same coordinates and would take its place, and results do not keep the attributes of "
-                     "such points; remove both");
+                     " has the same coordinates and would take its place, and results of older software do not keep "
+                     "the attributes of such points; remove both, or triangulate again");
+  for (const DuplicatePair& pair : pairs) {
+    if (wanted.contains(pair.duplicate)) continue;
+    const auto heir = plan.heirs.find(pair.kept);
+    if (heir == plan.heirs.end()) {
+      plan.duplicates.push_back(pair);
+    } else if (heir->second != pair.duplicate) {
+      plan.duplicates.push_back({pair.duplicate, heir->second});
+    }
+  }
   return vertices;
 }
 
@@ -57,19 +70,20 @@ Status find_vertices(const TileSource& source, PointIds missing, UpdatePlan& pla
 
 Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partition, const ResultChange& change) {
   UpdatePlan plan;
+  BOOST_OUTCOME_TRY(old, OldDuplicates::open(source));
+  plan.old = std::move(old);
   const PointIds wanted(change.remove.begin(), change.remove.end());
   plan.removed_points = wanted.size();
-  if (!wanted.empty()) {
-    BOOST_OUTCOME_TRY(vertices, remove_duplicates(source, wanted, plan));
-    BOOST_OUTCOME_TRYV(find_vertices(source, std::move(vertices), plan));
-  } else if (source.manifest().duplicates_xxh3 != 0) {
-    BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), source.manifest()));
-    plan.duplicates = std::move(pairs);
-  }
+  BOOST_OUTCOME_TRY(vertices, remove_duplicates(source, wanted, plan));
+  BOOST_OUTCOME_TRYV(find_vertices(source, std::move(vertices), plan));
   plan.first_new = source.manifest().points_read;
   for (std::size_t i = 0; i < change.add.size(); ++i) {
     const Point p = without_negative_zero(change.add[i]);
     plan.added[partition.tile_of(p)].push_back({p, PointId{plan.first_new + i}});
+  }
+  // A later point never takes the place of the first one.
+  if (source.manifest().keep != DuplicatePolicy::first) {
+    BOOST_OUTCOME_TRYV(place_equal_points(source, change.rows, plan));
   }
   return plan;
 }

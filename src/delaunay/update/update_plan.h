@@ -9,6 +9,7 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/delaunay/update/old_duplicates.h"
 #include "src/delaunay/update/update.h"
 #include "src/result/tile_source.h"
 #include "src/tiling/partition.h"
@@ -17,19 +18,24 @@
 namespace tessera {
 
 struct UpdatePlan {
-  PointIds removed;                                 // vertices that go
+  PointIds removed;                                 // vertices that go, or become duplicates
   std::set<TileId> losing;                          // the tiles that own them
   std::map<TileId, std::vector<LocalPoint>> added;  // new points, by owner
-  // When a vertex goes that has duplicates, the lowest of those that stay takes its place.
-  std::map<PointId, PointId> heirs;       // by the vertex that goes
-  std::vector<DuplicatePair> duplicates;  // of the result that stay, ascending
+  // By the vertex that goes: the point that takes its place, which has been a duplicate, or is new. It is that of the
+  // points left at the place which the policy of the result keeps.
+  std::map<PointId, PointId> heirs;
+  // The duplicates afterwards, ascending. Where the first of equal points is kept, those among the new points are
+  // missing: tiles find them (WokenTile).
+  std::vector<DuplicatePair> duplicates;
   bool duplicates_changed = false;
+  std::uint64_t new_equal = 0;  // how many of the new points are known here to be equal to others
+  OldDuplicates old;            // with the attributes of heirs, and of vertices that become duplicates
   std::uint64_t first_new = 0;  // source index
   std::uint64_t removed_points = 0;
 };
 
 // Errors: usage when a point to be removed is no point of the result, or when the attributes of a duplicate would be
-// needed, which results do not keep; those of reading the result.
+// needed, which results of older software do not keep; those of reading the result.
 Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partition, const ResultChange& change);
 
 }  // namespace tessera

@@ -6,6 +6,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "src/base/result.h"
@@ -13,6 +15,7 @@
 #include "src/delaunay/update/update.h"
 #include "src/delaunay/update/woken_tile.h"
 #include "src/result/new_version.h"
+#include "src/result/store/duplicate_rows.h"
 
 namespace tessera {
 
@@ -43,6 +46,8 @@ class UpdatedResult {
   std::vector<DuplicatePair> duplicates() const;
   Result<std::vector<FinishedTile>> finished_tiles(const NewVersion& version, unsigned threads) const;
   bool duplicates_changed() const;
+  Status sort_rows(std::span<const DuplicatePair> duplicates, std::span<const std::byte> added,
+                   std::optional<DuplicateRowSort>& rows) const;
   TileKind kind_of(TileId tile) const;
 
   const UpdateSetting& setting_;

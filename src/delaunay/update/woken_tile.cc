@@ -52,9 +52,13 @@ Status WokenTile::read() {
   if (!own.empty()) old_point_ = SharedPoint{own[0].at, own[0].id, self_, 0};
   for (std::size_t v = 0; lost_ && v < mesh.ids.size(); ++v) {
     if (mesh.owners[v] != self_ || !setting_.plan.removed.contains(mesh.ids[v])) continue;
-    removed_bounds_.add(mesh.points[v]);
+    // A point that takes the place of the vertex is a new point for the exchange, at the same coordinates.
     const auto heir = setting_.plan.heirs.find(mesh.ids[v]);
-    if (heir != setting_.plan.heirs.end()) own.push_back({mesh.points[v], heir->second});
+    if (heir != setting_.plan.heirs.end()) {
+      own.push_back({mesh.points[v], heir->second});
+    } else {
+      removed_bounds_.add(mesh.points[v]);
+    }
   }
   if (const auto added = setting_.plan.added.find(self_); added != setting_.plan.added.end()) {
     own.insert(own.end(), added->second.begin(), added->second.end());
@@ -126,7 +130,7 @@ std::optional<std::span<const std::byte>> WokenTile::row(PointId id) const {
     return setting_.rows.subspan((id.value - setting_.plan.first_new) * width, width);
   }
   const auto found = row_of_.find(id);
-  if (found == row_of_.end()) return std::nullopt;
+  if (found == row_of_.end()) return setting_.plan.old.row(id);  // a duplicate that has become a vertex
   return std::span(rows_).subspan(found->second * width, width);
 }
 

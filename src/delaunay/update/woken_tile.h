@@ -54,7 +54,7 @@ class WokenTile {
   SharedPoint new_point() const { return {points_[0], ids_[0], self_, fresh_bit}; }
   // The bounds of the own vertices that are removed.
   const Bounds& removed_bounds() const { return removed_bounds_; }
-  // New points that are equal to others of the tile.
+  // New points that are equal to others of the tile, and that the plan has not found.
   const std::vector<DuplicatePair>& duplicates() const { return duplicates_; }
 
   // Returns at most `most` of the own points that stay and are fresh, spread evenly. They lie around removed points.
@@ -75,7 +75,8 @@ class WokenTile {
 
   // The cells, once all is quiet. The triangulation is gone afterwards. REQUIRES: awake(), not flat().
   TileMesh collect();
-  // The attributes of a vertex that the stored tile has, or that is new. Nothing for another one.
+  // The attributes of a vertex that the stored tile has, that is new, or that has been a duplicate. Nothing for another
+  // one.
   std::optional<std::span<const std::byte>> row(PointId id) const;
 
  private:

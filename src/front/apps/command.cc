@@ -28,6 +28,11 @@ void add_value(Command& command, const std::string& key, const std::string& meta
       ->type_name(metavar);
 }
 
+void add_values(Command& command, const std::string& key, const std::string& metavar, std::vector<std::string>& target,
+                const std::string& help) {
+  command.app->add_option("--" + key, target, help)->type_name(metavar)->allow_extra_args(false)->take_all();
+}
+
 void add_switch(Command& command, const std::string& key, const std::string& help, char short_name, bool flag_only,
                 bool on_by_default) {
   auto* settings = command.settings.get();

@@ -69,6 +69,9 @@ Command new_command(CLI::App& root, const std::string& name, const std::string& 
 // flag_only: only the flag.
 void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help,
                char short_name = 0, bool flag_only = false);
+// The same for an option that may be given several times; only the flag.
+void add_values(Command& command, const std::string& key, const std::string& metavar, std::vector<std::string>& target,
+                const std::string& help);
 // Adds a switch: --key and --no-key. With on_by_default, `help` describes --no-key.
 void add_switch(Command& command, const std::string& key, const std::string& help, char short_name = 0,
                 bool flag_only = false, bool on_by_default = false);

@@ -1,6 +1,9 @@
 // tessera update: removes points of a result and adds others.
 #include "src/delaunay/update/update.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -24,21 +27,31 @@
 #include "src/input/cloud/cloud.h"
 #include "src/input/npy/npy_header.h"
 #include "src/job/arguments.h"
+#include "src/job/new_points.h"
 #include "src/job/report/human.h"
 #include "src/job/version.h"
 #include "src/result/store/digest.h"
 #include "src/result/tile_source.h"
+#include "src/result/voronoi/clip_region.h"
+#include "src/result/voronoi/read_clip.h"
 
 namespace tessera::apps {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct UpdateRequest {
+// Options that may be given several times.
+struct UpdateFiles {
+  std::string result;
+  std::vector<std::string> add, polygons, inputs;
+};
+
+struct AskedUpdate {
   fs::path result;
-  std::optional<std::string> add;  // files
-  std::optional<fs::path> ids;     // of points to remove
-  std::optional<std::string> box;
+  UpdateFiles files = {};
+  bool replace = false;
+  std::optional<fs::path> ids = {};  // of points to remove
+  std::optional<std::string> box = {};
   PointSelection selection = {};
   UpdateOptions options = {};
   OutputOptions output = {};
@@ -61,65 +74,83 @@ fs::path written_to(const UpdateRequest& request) {
   return request.options.to.empty() ? request.result : request.options.to;
 }
 
-Result<UpdateRequest> read_request(Settings& settings, const std::string& result) {
-  if (result.empty()) return error(Errc::usage, "no result folder is given; try 'tessera update --help'");
-  UpdateRequest request{.result = result, .add = settings.text("add"), .ids = {}, .box = settings.text("remove-box")};
+// "A..B", of numbers.
+Result<PointSelection::Times> parse_times(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  if (dots == std::string::npos) return error(Errc::usage, "'" + text + "' is no interval of times like 100.5..200");
+  BOOST_OUTCOME_TRY(from, parse_finite(text.substr(0, dots)));
+  BOOST_OUTCOME_TRY(to, parse_finite(text.substr(dots + 2)));
+  if (from <= to) return PointSelection::Times{from, to};
+  return error(Errc::usage, "'" + text + "' is no interval of times: its end is before its begin");
+}
+
+Result<AskedUpdate> read_request(Settings& settings, const UpdateFiles& files) {
+  if (files.result.empty()) return error(Errc::usage, "no result folder is given; try 'tessera update --help'");
+  AskedUpdate request{.result = files.result, .files = files, .box = settings.text("remove-box")};
   BOOST_OUTCOME_TRY(output, output_options(settings));
   request.output = output;
   if (const auto ids = settings.text("remove-ids")) request.ids = *ids;
   BOOST_OUTCOME_TRY(classes, settings.get("remove-class", [](const std::string& text) { return parse_classes(text); }));
   request.selection.classes = classes.value_or(std::vector<int>{});
+  BOOST_OUTCOME_TRY(times, settings.get("remove-time", parse_times));
+  request.selection.times = times;
+  BOOST_OUTCOME_TRY(replace, settings.on("replace"));
+  request.replace = replace;
   BOOST_OUTCOME_TRY(dry_run, settings.on("dry-run"));
   request.options.dry_run = dry_run;
   request.options.to = settings.text("output").value_or("");
-  if (!request.add && !request.ids && !request.box && request.selection.classes.empty())
-    return error(
-        Errc::usage,
-        "nothing is to be changed; add --add FILES, --remove-ids FILE, --remove-class LIST or --remove-box BOX");
+  const bool removes = request.ids || request.box || times || !request.selection.classes.empty() ||
+                       !files.polygons.empty() || !files.inputs.empty();
+  if (files.add.empty() && !removes)
+    return error(Errc::usage,
+                 "nothing is to be changed; add --add FILES, --remove-ids FILE, --remove-class LIST, --remove-box BOX, "
+                 "--remove-polygon FILE, --remove-time A..B or --remove-input FILE");
+  if (replace && files.add.empty()) return error(Errc::usage, "--replace needs new points; add --add FILES");
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
   request.options.threads = threads;
   return request;
 }
 
-std::string text_of(const std::vector<Attribute>& schema) {
-  std::string text;
-  for (const Attribute& attribute : schema) text += (text.empty() ? "" : ", ") + attribute.name;
-  return text.empty() ? "none" : text;
-}
-
 // All points of the files, with the attributes of the result.
-Status read_new_points(UpdateRequest& request, const Manifest& manifest, ResultChange& change,
-                       const std::stop_token& stop) {
-  CloudOptions options{.dimension = manifest.dimension, .heights = false, .threads = request.options.threads};
-  for (const Attribute& attribute : manifest.schema) {
-    if (manifest.dimension == 2 && attribute.name == "z") {
-      options.heights = true;
-    } else {
-      options.attributes.push_back(attribute.name);
-    }
-  }
-  BOOST_OUTCOME_TRY(cloud, Cloud::open({*request.add}, options, stop));
-  if (cloud.schema() != manifest.schema)
-    return error(Errc::usage, *request.add + ": the new points have other attributes (" + text_of(cloud.schema()) +
-                                  ") than " + request.result.string() + " (" + text_of(manifest.schema) +
-                                  "), or attributes of other types");
-  if (!cloud.crs().empty() && !manifest.crs.empty() && cloud.crs() != manifest.crs)
-    return error(Errc::usage,
-                 *request.add + ": the new points have another coordinate system than " + request.result.string());
-  for (const FileInfo& file : cloud.files()) {
-    request.options.inputs.push_back({file.path.string(), file.bytes, file.modified_ns});
-  }
-  const auto counts = cloud.for_each_batch([&](CloudBatch& batch) -> Status {
-    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while new points were read");
-    for (const LocalPoint& p : batch.points) change.add.push_back(p.at);
-    change.rows.insert(change.rows.end(), batch.rows.begin(), batch.rows.end());
-    return success();
-  });
-  if (!counts) return counts.error();
+Status add_new_points(AskedUpdate& asked, const Manifest& manifest, ResultChange& change, const std::stop_token& stop) {
+  const std::vector<std::string>& files = asked.files.add;
+  BOOST_OUTCOME_TRY(cloud, Cloud::open(files, options_of_new_points(manifest, asked.options.threads), stop));
+  const std::string name = files.front() + (files.size() > 1 ? " and others" : "");
+  BOOST_OUTCOME_TRY(read, read_new_points(cloud, name, manifest, asked.result, stop));
+  change.add = std::move(read.points);
+  change.rows = std::move(read.rows);
+  asked.options.inputs = std::move(read.inputs);
   return success();
 }
 
-Result<ResultChange> read_change(UpdateRequest& request, const std::stop_token& stop) {
+// The points that the options name, except those of a list of source indices.
+Status read_selection(AskedUpdate& request, const Manifest& manifest) {
+  PointSelection& selection = request.selection;
+  if (request.box) {
+    auto box = parse_crop(*request.box, 3);
+    if (!box) return error(box.error().code, "--remove-box: " + box.error().where);
+    selection.box = box.value();
+    const bool heights = std::isfinite(selection.box->lo.z);
+    const auto& schema = manifest.schema;
+    const bool known = std::any_of(schema.begin(), schema.end(), [](const auto& a) { return a.name == "z"; });
+    if (heights && manifest.dimension == 2 && !known)
+      return error(Errc::usage, "--remove-box: " + *request.box + " has heights, and the points of " +
+                                    request.result.string() + " have none; give xmin,ymin,xmax,ymax");
+  }
+  for (const std::string& file : request.files.polygons) {
+    auto region = voronoi::file_region(file, manifest);
+    if (!region) return error(region.error().code, "--remove-polygon: " + region.error().where);
+    selection.regions.push_back(std::make_shared<const voronoi::ClipRegion>(std::move(region).value()));
+  }
+  for (const std::string& file : request.files.inputs) {
+    auto ids = ids_of_input(request.result, manifest, file);
+    if (!ids) return error(ids.error().code, "--remove-input: " + ids.error().where);
+    selection.inputs.push_back(ids.value());
+  }
+  return success();
+}
+
+Result<ResultChange> read_change(AskedUpdate& request, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(opened, TileSource::open(request.result));
   BOOST_OUTCOME_TRYV(check_changeable(request.result, opened.manifest()));
   const TileSource source = opened.without_columns().stopped_by(stop);
@@ -131,20 +162,17 @@ Result<ResultChange> read_change(UpdateRequest& request, const std::stop_token& 
     BOOST_OUTCOME_TRY(ids, read_npy_integers(*file));
     for (const std::uint64_t id : ids) change.remove.push_back(PointId{id});
   }
-  if (request.box) {
-    auto box = parse_crop(*request.box, manifest.dimension);
-    if (!box) return error(box.error().code, "--remove-box: " + box.error().where);
-    request.selection.box = box.value();
+  BOOST_OUTCOME_TRYV(read_selection(request, manifest));
+  if (!request.files.add.empty()) {
+    BOOST_OUTCOME_TRYV(add_new_points(request, manifest, change, stop));
   }
+  if (request.replace) request.selection.places = change.add;
   BOOST_OUTCOME_TRY(selected, select_points(source, request.selection, request.options.threads, stop));
   change.remove.insert(change.remove.end(), selected.begin(), selected.end());
-  if (request.add) {
-    BOOST_OUTCOME_TRYV(read_new_points(request, manifest, change, stop));
-  }
   return change;
 }
 
-void print(const UpdateRequest& request, const ResultChange& change, const Updated& updated) {
+void print(const AskedUpdate& request, const ResultChange& change, const Updated& updated) {
   const bool dry = request.options.dry_run;
   if (request.output.json) {
     nlohmann::ordered_json told{{"event", dry ? "would_update" : "updated"}};
@@ -177,8 +205,8 @@ void print(const UpdateRequest& request, const ResultChange& change, const Updat
       grouped(updated.tiles).c_str());
 }
 
-Status run_update(Settings& settings, const std::string& result, const std::vector<std::string>& command_line) {
-  BOOST_OUTCOME_TRY(request, read_request(settings, result));
+Status run_update(Settings& settings, const UpdateFiles& files, const std::vector<std::string>& command_line) {
+  BOOST_OUTCOME_TRY(request, read_request(settings, files));
   if (request.output.verbose) log_everything();
   request.options.command = command_line;
   request.options.software_version = version();
@@ -199,7 +227,11 @@ Command add_update(CLI::App& root) {
                              "  tessera update out/ --remove-ids ids.npy                 (source indices)\n"
                              "  tessera update out/ --remove-class 7,18 --keep-versions 5\n"
                              "  tessera update out/ --remove-box 0,0,50,50 --add plot.laz\n"
+                             "  tessera update out/ --remove-input old.laz --add new.laz -o next/\n"
+                             "  tessera update out/ --remove-polygon site.geojson --remove-time 1000..2000 -o next/\n"
+                             "  tessera update out/ --add corrected.laz --replace -o next/\n"
                              "  tessera update out/ --remove-class 7 --dry-run           (writes nothing)");
+  auto files = std::make_shared<UpdateFiles>();
   add_value(command, "output", "FOLDER",
             "make a new result in this folder, and leave the given one as it is; default: a new version of it", 'o',
             true);
@@ -207,20 +239,25 @@ Command add_update(CLI::App& root) {
             "how many of the newest versions stay readable, also after later changes; default: as before, at first 1",
             0, true);
   add_switch(command, "wait", "wait while another program changes the result, instead of refusing", 0, true);
-  add_value(command, "add", "FILES", "add all points of these files: a file, a folder or a pattern", 0, true);
+  add_values(command, "add", "FILES", files->add,
+             "add all points of these files: a file, a folder or a pattern; may be given several times");
+  add_switch(command, "replace", "new points take the places of all points with the same coordinates", 0, true);
   add_value(command, "remove-ids", "FILE", "remove the points with these source indices: a NumPy list of integers", 0,
             true);
-  add_value(command, "remove-class", "LIST",
-            "remove the points of these LAS classes, for example 7,18, and all duplicates of them", 0, true);
+  add_value(command, "remove-class", "LIST", "remove the points of these LAS classes, for example 7,18", 0, true);
   add_value(command, "remove-box", "BOX",
             "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: remove the points inside", 0, true);
+  add_values(command, "remove-polygon", "FILE", files->polygons,
+             "remove the points in the polygons of a GeoJSON, GeoPackage, FlatGeobuf or Shapefile file, at any height");
+  add_value(command, "remove-time", "A..B", "remove the points whose attribute gps_time is from A to B", 0, true);
+  add_values(command, "remove-input", "FILE", files->inputs,
+             "remove the points that came from this input file, which need not exist any more");
   add_switch(command, "dry-run", "write nothing, and tell what would change", 0, true);
   add_threads_option(command);
   add_output_switches(command);
-  auto folder = std::make_shared<std::string>();
-  add_argument(command, "result", "FOLDER", *folder, "result folder");
-  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>& command_line) {
-    return run_update(*settings, *folder, command_line);
+  add_argument(command, "result", "FOLDER", files->result, "result folder");
+  command.run = [settings = command.settings.get(), files](const std::vector<std::string>& command_line) {
+    return run_update(*settings, *files, command_line);
   };
   return command;
 }

@@ -117,8 +117,10 @@ class Cloud {
   // large files are read by one thread (LAZ: by all threads) while `visit` works. The batches, and the error if there
   // is one, do not depend on the number of threads.
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
-  // The same for one split. Ids count from its first point.
-  Result<CloudCounts> for_each_batch(const InputSplit& split, const std::function<Status(CloudBatch&)>& visit) const;
+  // The same for one split. Ids count from its first point. `of_files`, if given, gets one number for each file of the
+  // cloud: how many points of the file were read, those that were dropped included.
+  Result<CloudCounts> for_each_batch(const InputSplit& split, const std::function<Status(CloudBatch&)>& visit,
+                                     std::vector<std::uint64_t>* of_files = nullptr) const;
   // The whole input as one split.
   InputSplit whole() const;
 

@@ -123,11 +123,12 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
   return for_each_batch(whole(), visit);
 }
 
-Result<CloudCounts> Cloud::for_each_batch(const InputSplit& split,
-                                          const std::function<Status(CloudBatch&)>& visit) const {
+Result<CloudCounts> Cloud::for_each_batch(const InputSplit& split, const std::function<Status(CloudBatch&)>& visit,
+                                          std::vector<std::uint64_t>* of_files) const {
   const PointFilter filter(options_, schema_);
   const std::vector<Unit> units = units_of(split, files_, filter.reader_schema());
   CloudCounts counts;
+  if (of_files != nullptr) of_files->assign(files_.size(), 0);
   const auto read_whole = [&](const Unit& unit, bool count_lines) -> Result<ReadUnit> {
     ReadUnit made;
     const ReadHints hints{.threads = 1, .part = unit.part, .count_lines = count_lines};
@@ -159,6 +160,7 @@ Result<CloudCounts> Cloud::for_each_batch(const InputSplit& split,
       BOOST_OUTCOME_TRYV(read(*reader, units[i], filter, counts.read, made.counts, visit));
     }
     counts.add(made.counts);
+    if (of_files != nullptr) (*of_files)[units[i].file] += made.counts.read;
     return success();
   };
   BOOST_OUTCOME_TRYV(in_order(units.size(), options_.threads, read_ahead, deliver));

@@ -59,6 +59,11 @@ fs::path duplicates_of(const fs::path& out, const Manifest& manifest) {
                                                   : duplicates_file(out, manifest.duplicates_xxh3);
 }
 
+fs::path duplicate_rows_of(const fs::path& out, const Manifest& manifest) {
+  return manifest.format_version < updated_format ? duplicate_rows_file(out)
+                                                  : duplicate_rows_file(out, manifest.duplicate_rows_xxh3);
+}
+
 Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, const Manifest& manifest) {
   std::vector<DuplicatePair> pairs;
   const DuplicatePolicy keep = manifest.keep;

@@ -12,6 +12,7 @@
 #include "src/base/files/folder.h"
 #include "src/base/files/names.h"
 #include "src/base/files/whole_file.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/result/store/duplicates.h"
 #include "src/result/store/manifest.h"
 #include "src/result/store/tile_layout.h"
@@ -40,7 +41,7 @@ void remove_side_files(const fs::path& out) {
 }
 
 Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& duplicates,
-                    const std::function<Status()>& before_manifest) {
+                    const std::function<Status()>& before_manifest, DuplicateRowSort* rows) {
   static_assert(std::endian::native == std::endian::little);
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(out)));
   std::vector<fs::path> files;
@@ -63,18 +64,22 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
   BOOST_OUTCOME_TRY(pairs, store::write_duplicates(out, duplicates));
   manifest.duplicates = pairs.count;
   manifest.duplicates_xxh3 = pairs.xxh3;
+  BOOST_OUTCOME_TRY(rows_xxh3, store::write_duplicate_rows(out, rows, pairs.count));
+  manifest.duplicate_rows_xxh3 = rows_xxh3;
   BOOST_OUTCOME_TRYV(before_manifest());
   BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(manifest)));
   remove_side_files(out);
   return success();
 }
 
-Status finish_store(const fs::path& out, Manifest& manifest, std::span<const DuplicatePair> duplicates) {
+Status finish_store(const fs::path& out, Manifest& manifest, std::span<const DuplicatePair> duplicates,
+                    DuplicateRowSort* rows) {
   DuplicateSort sorted(out, duplicates.size() * sizeof(DuplicatePair));
   for (const DuplicatePair& pair : duplicates) {
     BOOST_OUTCOME_TRYV(sorted.push(pair));
   }
-  return finish_store(out, manifest, sorted);
+  return finish_store(
+      out, manifest, sorted, [] { return success(); }, rows);
 }
 
 }  // namespace tessera

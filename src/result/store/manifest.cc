@@ -104,6 +104,25 @@ TileEntry to_entry(const json& value) {
   return entry;
 }
 
+Manifest::Input to_input(const json& value) {
+  Manifest::Input input{value.at("path").get<std::string>(), to_count(value.at("bytes")),
+                        value.at("modified_ns").get<std::int64_t>()};
+  if (!value.contains("points")) return input;
+  input.ids = {to_count(value.at("first_id")), to_count(value.at("points"))};
+  if (input.ids->first + input.ids->count < input.ids->first)
+    throw json::other_error::create(501, "an input has an impossible number of points", &value);
+  return input;
+}
+
+ordered_json input_to_json(const Manifest::Input& input) {
+  ordered_json value{{"path", input.path}, {"bytes", input.bytes}, {"modified_ns", input.modified_ns}};
+  if (input.ids) {
+    value["first_id"] = input.ids->first;
+    value["points"] = input.ids->count;
+  }
+  return value;
+}
+
 // The members that make a partition. Code that walks the splits must check that they are a tree.
 std::string partition_text(const json& value, const Manifest& manifest) {
   if (!value.contains("splits")) throw json::other_error::create(501, "the partition has no splits", &value);
@@ -115,11 +134,12 @@ std::string partition_text(const json& value, const Manifest& manifest) {
 }
 
 // In format 5 the name of the file has the checksum of the file.
-void read_duplicates_sum(const json& sums, Manifest& manifest) {
+void read_duplicates_sums(const json& sums, Manifest& manifest) {
   for (const auto& [name, sum] : sums.items()) {
-    if (!is_duplicates_name(name)) continue;
-    manifest.duplicates_xxh3 = to_sum(sum);
-    if (duplicates_of("", manifest).string() != name)
+    const bool rows = is_duplicate_rows_name(name);
+    if (!rows && !is_duplicates_name(name)) continue;
+    (rows ? manifest.duplicate_rows_xxh3 : manifest.duplicates_xxh3) = to_sum(sum);
+    if ((rows ? duplicate_rows_of("", manifest) : duplicates_of("", manifest)).string() != name)
       throw json::other_error::create(501, "'" + name + "' is not the name of the duplicates", &sums);
   }
 }
@@ -129,9 +149,7 @@ Manifest to_manifest(const json& value) {
   manifest.format_version = static_cast<int>(to_count(value.at("format_version")));
   manifest.software_version = value.at("software_version").get<std::string>();
   manifest.command = value.at("command").get<std::vector<std::string>>();
-  for (const auto& input : value.at("inputs"))
-    manifest.inputs.push_back({input.at("path").get<std::string>(), to_count(input.at("bytes")),
-                               input.at("modified_ns").get<std::int64_t>()});
+  for (const auto& input : value.at("inputs")) manifest.inputs.push_back(to_input(input));
   manifest.dimension = static_cast<int>(to_count(value.at("dimension")));
   if (manifest.dimension != 2 && manifest.dimension != 3)
     throw json::other_error::create(501, "the dimension is neither 2 nor 3", &value);
@@ -168,7 +186,7 @@ Manifest to_manifest(const json& value) {
   if (value.contains("keep")) manifest.keep = to_kept_point(value.at("keep"));
   manifest.digest = to_digest(value);
   manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key));
-  read_duplicates_sum(value.at("checksums"), manifest);
+  read_duplicates_sums(value.at("checksums"), manifest);
   manifest.seconds = value.at("seconds").get<std::map<std::string, double>>();
   manifest.figures = value.at("figures").get<std::map<std::string, double>>();
   return manifest;
@@ -184,8 +202,7 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["software_version"] = manifest.software_version;
   value["command"] = manifest.command;
   value["inputs"] = json::array();
-  for (const auto& input : manifest.inputs)
-    value["inputs"].push_back({{"path", input.path}, {"bytes", input.bytes}, {"modified_ns", input.modified_ns}});
+  for (const auto& input : manifest.inputs) value["inputs"].push_back(input_to_json(input));
   value["dimension"] = manifest.dimension;
   value["crs"] = manifest.crs;
   value["bounds"] = corners(manifest.bounds);
@@ -206,6 +223,8 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["checksums"][master_key] = checksum_text(manifest.master_xxh3);
   if (manifest.duplicates_xxh3 != 0)
     value["checksums"][duplicates_of("", manifest).string()] = checksum_text(manifest.duplicates_xxh3);
+  if (manifest.duplicate_rows_xxh3 != 0)
+    value["checksums"][duplicate_rows_of("", manifest).string()] = checksum_text(manifest.duplicate_rows_xxh3);
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
   // A path may be any bytes; bytes that are not UTF-8 become U+FFFD instead of an exception.

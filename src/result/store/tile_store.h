@@ -128,6 +128,12 @@ struct Manifest {
     std::string path;
     std::uint64_t bytes = 0;
     std::int64_t modified_ns = 0;
+    // The source indices of its points, those that were filtered or invalid included. Older programs wrote none.
+    struct Ids {
+      std::uint64_t first = 0, count = 0;
+      friend bool operator==(const Ids&, const Ids&) = default;
+    };
+    std::optional<Ids> ids = {};
   };
   std::vector<Input> inputs;
   int dimension = 3;
@@ -152,6 +158,7 @@ struct Manifest {
   std::optional<std::uint64_t> other_heights;     // 2D: duplicates not at the kept point's height, if heights are known
   std::optional<Digest> digest;                   // sum of the digests of the tiles; nothing when a tile has none
   std::uint64_t duplicates_xxh3 = 0;              // of duplicates.bin; 0 when there is none
+  std::uint64_t duplicate_rows_xxh3 = 0;          // of the attributes of the duplicates; 0 when they are not kept
   std::uint64_t master_xxh3 = 0;                  // of the master file
   // of the version before, whose master file may remain until the next change
   std::optional<std::uint64_t> previous_master_xxh3 = {};
@@ -165,15 +172,18 @@ struct DuplicatePair {
 };
 // The pairs may not fit into memory.
 using DuplicateSort = ExternalSort<DuplicatePair>;
+class DuplicateRowSort;  // duplicate_rows.h
 
-// Writes triangulation.pvtu (which names the tiles), duplicates.bin when `duplicates` is not empty, and the manifest
-// last. Sets in the manifest: digest, checksums, number of duplicates, and the schema's names as they are stored. Then
-// calls `before_manifest`, which may add to the manifest, and may write files that must exist before the manifest does.
+// Writes triangulation.pvtu (which names the tiles), duplicates.bin when `duplicates` is not empty, then also the
+// attributes of the duplicates when `rows` has them, and the manifest last. Sets in the manifest: digest, checksums,
+// number of duplicates, and the schema's names as they are stored. Then calls `before_manifest`, which may add to the
+// manifest, and may write files that must exist before the manifest does.
 Status finish_store(
     const std::filesystem::path& out, Manifest& manifest, DuplicateSort& duplicates,
-    const std::function<Status()>& before_manifest = [] { return success(); });
+    const std::function<Status()>& before_manifest = [] { return success(); }, DuplicateRowSort* rows = nullptr);
 // The same with pairs that are in memory.
-Status finish_store(const std::filesystem::path& out, Manifest& manifest, std::span<const DuplicatePair> duplicates);
+Status finish_store(const std::filesystem::path& out, Manifest& manifest, std::span<const DuplicatePair> duplicates,
+                    DuplicateRowSort* rows = nullptr);
 // Removes what runs may have left in a finished result: side files, and files that were being written.
 void remove_side_files(const std::filesystem::path& out);
 // Errors: io when there is no manifest; corrupt when it is damaged or from a future version.
@@ -184,6 +194,8 @@ Error no_manifest(const std::filesystem::path& out);
 Result<Manifest> parse_manifest(const std::filesystem::path& path, std::span<const std::byte> bytes);
 // The file of the duplicates, which exists if the manifest has a checksum of it.
 std::filesystem::path duplicates_of(const std::filesystem::path& out, const Manifest& manifest);
+// The same for the file of their attributes.
+std::filesystem::path duplicate_rows_of(const std::filesystem::path& out, const Manifest& manifest);
 // Reads the duplicates of the version of a result that the manifest describes. Error corrupt when the policy in the
 // manifest cannot give such pairs.
 Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, const Manifest& manifest);

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/attribute.h"
 #include "src/base/files/checksum.h"
 #include "src/base/files/descriptor.h"
 #include "src/base/files/folder.h"
@@ -16,6 +17,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/result/check_sum.h"
 #include "src/result/old_versions.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/result/store/manifest.h"
 #include "src/result/store/vtk_xml.h"
 
@@ -90,6 +92,21 @@ Status check_listed(const TileSource& source, const Manifest& current) {
   return success();
 }
 
+Status check_duplicate_rows(const fs::path& out, const Manifest& manifest) {
+  const auto file = duplicate_rows_of(out, manifest);
+  if (manifest.duplicate_rows_xxh3 == 0) {
+    if (manifest.format_version >= updated_format) return success();  // the file may be of another version
+    BOOST_OUTCOME_TRY(there, is_there(file));
+    return there ? corrupt(file, "has no checksum in the manifest") : Status(success());
+  }
+  BOOST_OUTCOME_TRYV(check_sum(file, manifest.duplicate_rows_xxh3, data_sum_of(manifest.format_version)));
+  BOOST_OUTCOME_TRY(bytes, file_bytes(file));
+  const std::uint64_t expected = manifest.duplicates * row_bytes(carried_schema(manifest));
+  if (bytes == expected) return success();
+  return corrupt(file, "has " + std::to_string(bytes) + " bytes, but the attributes of " +
+                           std::to_string(manifest.duplicates) + " duplicates take " + std::to_string(expected));
+}
+
 }  // namespace
 
 Status check_files(const TileSource& source) {
@@ -107,6 +124,7 @@ Status check_files(const TileSource& source) {
     BOOST_OUTCOME_TRY(there, is_there(duplicates));
     if (there) return corrupt(duplicates, "has no checksum in the manifest");
   }
+  BOOST_OUTCOME_TRYV(check_duplicate_rows(out, manifest));
   return check_listed(source, current);
 }
 

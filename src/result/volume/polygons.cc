@@ -1,24 +1,10 @@
 #include "src/result/volume/polygons.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <utility>
 
-#include "src/base/crs/gdal_library.h"
-#include "src/base/default_arithmetic.h"
-#include "src/base/files/descriptor.h"
-#include "src/base/ledger.h"
-#include "src/base/option.h"
-#include "src/base/printable.h"
-#include "src/result/export/ending.h"
+#include "src/result/query/map_polygons.h"
 
 namespace tessera::volume {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -26,187 +12,28 @@ namespace {
 // makes them is gone when all are read.
 constexpr std::uint64_t bytes_of_vertex = 600;
 
-using Rings = std::vector<std::vector<Point>>;
-
-class PolygonReader {
- public:
-  PolygonReader(const GdalLibrary& gdal, const fs::path& path, const PolygonOptions& options)
-      : gdal_(gdal), quiet_(gdal), path_(path), options_(options) {}
-  ~PolygonReader() {
-    if (dataset_ != nullptr) gdal_.GDALClose(dataset_);
-  }
-  PolygonReader(const PolygonReader&) = delete;
-  PolygonReader& operator=(const PolygonReader&) = delete;
-
-  Status open() {
-    BOOST_OUTCOME_TRYV(check_regular(path_));  // GDAL would wait for a named pipe
-    const std::string ending = exports::ending_of(path_);
-    const bool geojson = ending == ".geojson" || ending == ".json";
-    if (geojson) {
-      BOOST_OUTCOME_TRYV(query::check_no_links(path_));
-    }
-    const char* const text[] = {"GeoJSON", nullptr};
-    const char* const binary[] = {"GPKG", "FlatGeobuf", "ESRI Shapefile", nullptr};
-    dataset_ =
-        gdal_.GDALOpenEx(path_.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, geojson ? text : binary, nullptr, nullptr);
-    if (dataset_ == nullptr)
-      return bad(std::string("GDAL cannot read polygons of it as ") +
-                 (geojson ? "GeoJSON: " : "GeoPackage, FlatGeobuf or Shapefile: ") + quiet_.message());
-    const int layers = gdal_.GDALDatasetGetLayerCount(dataset_);
-    if (layers != 1) return bad("has " + std::to_string(layers) + " layers; give a file with one");
-    layer_ = gdal_.GDALDatasetGetLayer(dataset_, 0);
-    read_crs();
-    return find_name();
-  }
-
-  Result<MapPolygons> read() {
-    for (OGRFeatureH feature = gdal_.OGR_L_GetNextFeature(layer_); feature != nullptr;
-         feature = gdal_.OGR_L_GetNextFeature(layer_)) {
-      const Status added = add(feature);
-      gdal_.OGR_F_Destroy(feature);
-      BOOST_OUTCOME_TRYV(added);
-      gdal_.CPLErrorReset();
-    }
-    if (gdal_.CPLGetLastErrorType() >= CE_Failure)
-      return error(Errc::io, path_.string() + ": cannot be read: " + quiet_.message());
-    if (read_.polygons.empty()) return bad("has no polygon");
-    return std::move(read_);
-  }
-
- private:
-  Error bad(const std::string& why) const { return error(Errc::bad_input, path_.string() + ": " + why); }
-
-  void read_crs() {
-    read_.frame.name = path_.string();
-    const OGRSpatialReferenceH reference = gdal_.OGR_L_GetSpatialRef(layer_);
-    if (reference == nullptr) return;
-    // GDAL says so of every GeoJSON that names no system; the numbers decide then (GeoJsonFrame).
-    const char* const name = gdal_.OSRGetName(reference);
-    if (std::string_view(gdal_.GDALGetDriverShortName(gdal_.GDALGetDatasetDriver(dataset_))) == "GeoJSON" &&
-        gdal_.OSRIsGeographic(reference) != 0 && name != nullptr && std::string_view(name).starts_with("WGS 84"))
-      return;
-    char* text = nullptr;
-    if (gdal_.OSRExportToWkt(reference, &text) == OGRERR_NONE && text != nullptr) read_.frame.crs = text;
-    gdal_.VSIFree(text);
-  }
-
-  // Finds the attribute that names polygons.
-  Status find_name() {
-    const OGRFeatureDefnH definition = gdal_.OGR_L_GetLayerDefn(layer_);
-    if (!options_.name.empty()) {
-      name_ = gdal_.OGR_FD_GetFieldIndex(definition, options_.name.c_str());
-      if (name_ >= 0) return success();
-      std::string names;
-      for (int i = 0; i < gdal_.OGR_FD_GetFieldCount(definition); ++i)
-        names += (i == 0 ? "" : ", ") + printable(gdal_.OGR_Fld_GetNameRef(gdal_.OGR_FD_GetFieldDefn(definition, i)));
-      return error(Errc::usage, option("name") + ": the polygons of " + path_.string() + " have no attribute " +
-                                    in_quotes(options_.name) + "; they have " + (names.empty() ? "none" : names));
-    }
-    for (const char* usual : {"name", "id"}) {
-      name_ = gdal_.OGR_FD_GetFieldIndex(definition, usual);
-      if (name_ >= 0) break;
-    }
-    return success();
-  }
-
-  Status add(OGRFeatureH feature) {
-    MapPolygon polygon;
-    polygon.feature = gdal_.OGR_F_GetFID(feature);
-    if (name_ >= 0 && gdal_.OGR_F_IsFieldSetAndNotNull(feature, name_) != 0)
-      polygon.name = printable(gdal_.OGR_F_GetFieldAsString(feature, name_));
-    const auto refused = [&](const std::string& why) {
-      return bad("feature " + std::to_string(polygon.feature) + " " + why);
-    };
-    const OGRGeometryH geometry = gdal_.OGR_F_GetGeometryRef(feature);
-    if (geometry == nullptr) return refused("has no geometry");
-    Rings rings;
-    if (const auto found = add_rings(geometry, rings); !found) {
-      if (found.error().code != Errc::bad_input) return found;
-      return refused(found.error().where);
-    }
-    gdal_.CPLErrorReset();
-    if (gdal_.OGR_G_IsValid(geometry) == 0) return refused("is not valid: " + quiet_.message());
-    auto facets = triangulate_rings(rings);
-    if (!facets) return refused(facets.error().where);
-    polygon.facets = std::move(facets).value();
-    if (polygon.facets.empty()) return refused("has no area");
-    polygon.wkb.resize(static_cast<std::size_t>(gdal_.OGR_G_WkbSize(geometry)));
-    if (gdal_.OGR_G_ExportToIsoWkb(geometry, wkbNDR, reinterpret_cast<unsigned char*>(polygon.wkb.data())) !=
-        OGRERR_NONE)
-      return refused("cannot be read: " + quiet_.message());
-    read_.polygons.push_back(std::move(polygon));
-    return success();
-  }
-
-  // Errors bad_input are the end of a sentence about the feature.
-  Status add_rings(OGRGeometryH geometry, Rings& rings) {
-    const auto kind = gdal_.OGR_G_GetGeometryType(geometry);
-    const auto flat = gdal_.OGR_GT_Flatten(kind);
-    if (flat != wkbPolygon && flat != wkbMultiPolygon)
-      return error(Errc::bad_input, std::string("is a ") + gdal_.OGR_G_GetGeometryName(geometry) + ", not a polygon");
-    if (options_.heights && gdal_.OGR_GT_HasZ(kind) == 0)
-      return error(Errc::bad_input, "has no heights: a base needs a z for each vertex");
-    const int parts = gdal_.OGR_G_GetGeometryCount(geometry);
-    for (int i = 0; i < parts; ++i) {
-      const OGRGeometryH part = gdal_.OGR_G_GetGeometryRef(geometry, i);
-      if (flat == wkbMultiPolygon) {
-        BOOST_OUTCOME_TRYV(add_rings(part, rings));
-      } else {
-        BOOST_OUTCOME_TRYV(add_ring(part, rings));
-      }
-    }
-    if (rings.empty()) return error(Errc::bad_input, "is empty");
-    return success();
-  }
-
-  Status add_ring(OGRGeometryH from, Rings& rings) {
-    const auto count = static_cast<std::size_t>(std::max(gdal_.OGR_G_GetPointCount(from), 0));
-    vertices_ += count;
-    if (vertices_ > options_.bytes_max / bytes_of_vertex)
-      return error(Errc::memory, path_.string() + ": its polygons have more than " +
-                                     std::to_string(options_.bytes_max / bytes_of_vertex) +
-                                     " vertices, too many for the memory; give more " + option("memory"));
-    BOOST_OUTCOME_TRYV(Ledger::draw_memory(count * bytes_of_vertex));
-    std::vector<Point> ring(count);
-    if (count > 0)
-      gdal_.OGR_G_GetPoints(from, &ring[0].x, sizeof(Point), &ring[0].y, sizeof(Point), &ring[0].z, sizeof(Point));
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!options_.heights) ring[i].z = 0;
-      if (!is_finite(ring[i]))
-        return error(Errc::bad_input,
-                     "has a vertex with a coordinate that is not finite, vertex " + std::to_string(i) + " of a ring");
-      ring[i] = without_negative_zero(ring[i]);
-      read_.frame.bounds.add(ring[i]);
-    }
-    if (count > 1 && ring.front().x == ring.back().x && ring.front().y == ring.back().y) {
-      if (ring.front().z != ring.back().z)
-        return error(Errc::bad_input, "has two vertices at one place with different heights");
-      ring.pop_back();
-    }
-    if (ring.size() < 3) return error(Errc::bad_input, "has a ring of fewer than three vertices");
-    rings.push_back(std::move(ring));
-    return success();
-  }
-
-  const GdalLibrary& gdal_;
-  GdalQuiet quiet_;
-  const fs::path& path_;
-  const PolygonOptions& options_;
-  GDALDatasetH dataset_ = nullptr;
-  OGRLayerH layer_ = nullptr;
-  int name_ = -1;
-  std::uint64_t vertices_ = 0;
-  MapPolygons read_;
-};
-
 }  // namespace
 
-Result<MapPolygons> read_polygons(const fs::path& path, const PolygonOptions& options) {
-  BOOST_OUTCOME_TRY(gdal, gdal_library());
-  const DefaultArithmetic kept;
-  PolygonReader reader(*gdal, path, options);
-  BOOST_OUTCOME_TRYV(reader.open());
-  return reader.read();
+Result<MapPolygons> read_polygons(const std::filesystem::path& path, const PolygonOptions& options) {
+  MapPolygons read;
+  const query::MapFileOptions file{.name = options.name,
+                                   .heights = options.heights,
+                                   .must_be_valid = true,
+                                   .bytes_max = options.bytes_max,
+                                   .bytes_of_vertex = bytes_of_vertex};
+  BOOST_OUTCOME_TRY(
+      frame, query::read_map_polygons(path, file, [&](query::MapFeature& feature) -> Status {
+        std::vector<std::vector<Point>> rings;
+        for (auto& polygon : feature.polygons) {
+          for (auto& ring : polygon) rings.push_back(std::move(ring));
+        }
+        BOOST_OUTCOME_TRY(facets, triangulate_rings(rings));
+        if (facets.empty()) return error(Errc::bad_input, "has no area");
+        read.polygons.push_back({feature.number, std::move(feature.name), std::move(facets), std::move(feature.wkb)});
+        return success();
+      }));
+  read.frame = std::move(frame);
+  return read;
 }
 
 }  // namespace tessera::volume

@@ -110,4 +110,11 @@ bool ClipRegion::contains(const Point& p) const {
   return has_odd(met);
 }
 
+bool ClipRegion::covers(const Point& p) const {
+  bool on_edge = false;
+  visit([&](const Bounds& box) { return box.lo.x <= p.x && p.x <= box.hi.x && box.lo.y <= p.y && p.y <= box.hi.y; },
+        [&](std::uint32_t i) { on_edge = on_edge || exact::orientation_2(edges_[i].a, edges_[i].b, p) == 0; });
+  return on_edge || contains(p);
+}
+
 }  // namespace tessera::voronoi

@@ -34,6 +34,8 @@ class ClipRegion {
 
   // Whether a point that is on no edge is in the region. Exact.
   bool contains(const Point& p) const;
+  // Whether a point is in the region or on one of its edges. Exact. REQUIRES: z = 0.
+  bool covers(const Point& p) const;
   // The edges that cross the edge, or touch it elsewhere than at a common end.
   std::span<const std::uint32_t> crossing(std::uint32_t edge) const;
 

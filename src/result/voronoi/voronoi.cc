@@ -49,6 +49,10 @@ Result<std::optional<ClipRegion>> region_of(const TileSource& source, const Voro
     case VoronoiClip::box:
       return some(voronoi::box_region(options.box));
     case VoronoiClip::file:
+      if (!voronoi::is_region_file(options.polygons))
+        return error(Errc::usage, option("clip") + ": '" + options.polygons.string() +
+                                      "' is neither hull, none, a box nor a file that ends in .gpkg, .fgb, .shp or "
+                                      ".geojson");
       return some(voronoi::file_region(options.polygons, source.manifest()));
     case VoronoiClip::automatic:
     case VoronoiClip::hull:

@@ -96,6 +96,10 @@ std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& trian
     add([&](const fs::path& out) { return duplicates_of(out, manifest); }, {}, manifest.duplicates_xxh3,
         data_sum_of(manifest.format_version));
   }
+  if (manifest.duplicate_rows_xxh3 != 0) {
+    add([&](const fs::path& out) { return duplicate_rows_of(out, manifest); }, {}, manifest.duplicate_rows_xxh3,
+        data_sum_of(manifest.format_version));
+  }
   return list;
 }
 

@@ -39,6 +39,7 @@ std::string identity(const struct stat& status) {
 std::string checksum_in(const Manifest& manifest, const fs::path& path) {
   if (path == master_file("")) return checksum_text(manifest.master_xxh3);
   if (path == duplicates_of("", manifest)) return checksum_text(manifest.duplicates_xxh3);
+  if (path == duplicate_rows_of("", manifest)) return checksum_text(manifest.duplicate_rows_xxh3);
   for (const auto& entry : manifest.tiles)
     if (path == tile_file("", entry)) return checksum_text(entry.xxh3);
   return "";
