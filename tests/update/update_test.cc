@@ -18,6 +18,7 @@
 #include "src/delaunay/update/select_points.h"
 #include "src/geometry/reference/clouds.h"
 #include "src/geometry/reference/reference.h"
+#include "src/job/engine_steps.h"
 #include "src/result/tile_source.h"
 #include "src/result/verify/verify.h"
 #include "tests/store/sample_result.h"
@@ -27,6 +28,15 @@ namespace tessera::testing {
 namespace {
 
 namespace fs = std::filesystem;
+
+// As the command does it, in this process.
+Result<Updated> update_here(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
+                            std::stop_token stop = {}, std::uint64_t memory_bytes = std::uint64_t{1} << 30) {
+  Engine engine(options.threads, memory_bytes, kinds_of_stages());
+  Progress progress;
+  EngineStages stages(engine, {.threads = options.threads, .memory_bytes = memory_bytes}, progress);
+  return update_result(result, change, options, stages, std::move(stop));
+}
 
 struct Case {
   std::string kind;
@@ -76,7 +86,7 @@ class Update : public ::testing::Test {
     for (const Point& p : change.add) cloud_.points.push_back({p, PointId{cloud_.points_read++}});
   }
   Updated update(const ResultChange& change, unsigned threads = 2) {
-    auto updated = update_result(now(), change, {.to = next(), .threads = threads});
+    auto updated = update_here(now(), change, {.to = next(), .threads = threads, .way = way_});
     EXPECT_TRUE(updated) << (updated ? "" : updated.error().where);
     if (!updated) return {};
     apply(change);
@@ -84,7 +94,7 @@ class Update : public ::testing::Test {
     return updated.value();
   }
   std::string refusal(const ResultChange& change) const {
-    const auto updated = update_result(now(), change, {.to = next(), .threads = 2});
+    const auto updated = update_here(now(), change, {.to = next(), .threads = 2, .way = way_});
     EXPECT_FALSE(updated);
     EXPECT_FALSE(fs::exists(next()));
     std::size_t left = 0;
@@ -99,6 +109,7 @@ class Update : public ::testing::Test {
   StoredCloud cloud_;  // what the result is of
   const test::TemporaryFolder folder_;
   std::size_t number_ = 0;
+  UpdateWay way_ = UpdateWay::exchange;
 };
 
 // Tile by tile the same as what is made of the points that are left; files of cells byte for byte.
@@ -159,6 +170,7 @@ TEST_P(UpdateOf, IsTheResultFromScratchAfterEachOfManyChanges) {
     }
     for (int k = 0; k < (step == 0 ? 1 : step == 1 ? 0 : 30) && unused < pool_.size(); ++k)
       add.push_back(pool_[unused++]);
+    way_ = step == 2 || step == 5 ? UpdateWay::anew : UpdateWay::exchange;
     const Updated updated = update(change(remove, add), 1 + static_cast<unsigned>(step) % 3);
     EXPECT_EQ(updated.removed, remove.size());
     EXPECT_LE(updated.begun, updated.awake);
@@ -272,7 +284,7 @@ TEST_F(Update, OfAHoleWhereTilesMeetWakesTheTilesAroundItAlone) {
 TEST_F(Update, ThatIsDryWritesNothingAndTellsTheSame) {
   make(planar, 600, seed, true);
   const ResultChange wanted = change({cloud_.points[17].id, cloud_.points[18].id}, {{0.5, 0.5, 0}});
-  const auto dry = update_result(now(), wanted, {.threads = 2, .dry_run = true});
+  const auto dry = update_here(now(), wanted, {.threads = 2, .dry_run = true});
   ASSERT_TRUE(dry) << dry.error().where;
   EXPECT_FALSE(fs::exists(next()));
   const Updated updated = update(wanted);
@@ -353,7 +365,7 @@ TEST_F(Update, RefusesWhatCannotBeAndLeavesNothing) {
 
 TEST_F(Update, RefusesAFolderThatExists) {
   make(usual, 100, seed, false);
-  const auto updated = update_result(now(), {}, {.to = now(), .threads = 1});
+  const auto updated = update_here(now(), {}, {.to = now(), .threads = 1});
   ASSERT_FALSE(updated);
   EXPECT_EQ(updated.error().code, Errc::usage);
   EXPECT_NE(updated.error().where.find("exists already"), std::string::npos);
@@ -363,7 +375,8 @@ TEST_F(Update, StopsWhenItIsAskedTo) {
   make(usual, 100, seed, false);
   std::stop_source stop;
   stop.request_stop();
-  const auto updated = update_result(now(), change({PointId{3}}, {}), {.to = next(), .threads = 2}, stop.get_token());
+  const auto updated =
+      update_here(now(), change({PointId{3}}, {}), {.to = next(), .threads = 2, .way = way_}, stop.get_token());
   ASSERT_FALSE(updated);
   EXPECT_EQ(updated.error().code, Errc::interrupted) << updated.error().where;
   EXPECT_FALSE(fs::exists(next()));

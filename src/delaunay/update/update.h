@@ -6,14 +6,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "src/base/figures.h"
+#include "src/base/files/folder_lock.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/delaunay/run/stages_runner.h"
 #include "src/result/store/digest.h"
 #include "src/result/store/tile_store.h"
 
@@ -26,10 +29,22 @@ struct ResultChange {
   std::vector<PointId> remove = {};  // source indices of vertices and duplicates
 };
 
+// How the cells of a changed result are found (docs/updates-design.md). The result is the same.
+enum class UpdateWay : std::uint8_t {
+  cheapest,  // exchange, unless most tiles have fresh points
+  exchange,  // tiles with fresh points begin, and wake those whose cells may change
+  anew       // all tiles are triangulated as in a first triangulation
+};
+
 struct UpdateOptions {
   std::filesystem::path to = {};  // the folder of the new result, which must not exist
-  unsigned threads = 1;
-  bool dry_run = false;                      // write nothing, and only find out what would change
+  unsigned threads = 1;           // that read source indices
+  // Whether to continue what an earlier process has begun, and to leave what is done when this process is interrupted.
+  bool resume = false;
+  LockOptions lock = {};
+  std::function<void(double)> progress = {};  // is told how much is done, from 0 to 1
+  UpdateWay way = UpdateWay::cheapest;
+  bool dry_run = false;                      // only find out what would change
   std::vector<std::string> command = {};     // for the manifest
   std::string software_version = {};         // for the manifest
   std::vector<Manifest::Input> inputs = {};  // of the new points, for the manifest
@@ -42,6 +57,10 @@ struct Updated {
   std::uint64_t vertices = 0, cells = 0, tiles = 0;  // of the new result; 0 in a dry run
   // Tiles that had fresh points; that were triangulated; and of these, those that have changed.
   std::uint64_t begun = 0, awake = 0, written = 0;
+  bool anew = false;  // all tiles were triangulated
+  // As the result was: own points of the tiles that were triangulated, and the bytes of the files of those that have
+  // changed.
+  std::uint64_t old_points = 0, old_bytes = 0;
   ExchangeCounts exchange = {};
   std::optional<Digest> digest = {};  // of the new result
 };
@@ -49,11 +68,14 @@ struct Updated {
 // Whether a result can be changed at all. Error usage, with the reason, when it cannot.
 Status check_changeable(const std::filesystem::path& result, const Manifest& manifest);
 
-// Writes the new result; the old one stays as it is. Tiles that have not changed are hard links to the old files.
+// Writes the new result; the old one stays as it is. Tiles that have not changed are hard links to the old files. The
+// new result is made in the run folder update_run_folder(options.to), and renamed when it is whole. `runner` runs jobs
+// of the kind kind_of_update.
 // Errors: usage when the result cannot be changed in this way, when a point to be removed does not exist, when the
-// points that are left do not span space, or when the folder exists; those of TileSource; interrupted. After an error
-// nothing is left in the folder.
+// points that are left do not span space, when the folder exists, or when what an earlier process has begun is another
+// change; those of TileSource and of the runner; interrupted. After an error nothing is left in the folder, and the run
+// folder is gone unless `resume` is set.
 Result<Updated> update_result(const std::filesystem::path& result, const ResultChange& change,
-                              const UpdateOptions& options, std::stop_token stop = {});
+                              const UpdateOptions& options, StagesRunner& runner, std::stop_token stop = {});
 
 }  // namespace tessera

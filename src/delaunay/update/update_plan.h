@@ -2,10 +2,16 @@
 // duplicates.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
+#include <span>
+#include <string>
 #include <vector>
+
+#include "src/base/big_vector.h"
 
 #include "src/base/point.h"
 #include "src/base/result.h"
@@ -26,10 +32,18 @@ struct UpdatePlan {
   bool duplicates_changed = false;
   std::uint64_t first_new = 0;  // source index
   std::uint64_t removed_points = 0;
+  std::vector<std::byte> rows;  // attributes of the new points, in the order of their source indices
+  // The point that all tiles with fresh points know (docs/updates-design.md). Nothing when no points would be left.
+  std::optional<SharedPoint> common;
 };
 
-// Errors: usage when a point to be removed is no point of the result, or when the attributes of a duplicate would be
-// needed, which results do not keep; those of reading the result.
-Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partition, const ResultChange& change);
+// `threads` read source indices. Errors: usage when a point to be removed is no point of the result, or when the
+// attributes of a duplicate would be needed, which results do not keep; those of reading the result.
+Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partition, const ResultChange& change,
+                               unsigned threads);
+
+// The bytes are the same for the same plan. update_plan_of() returns nothing when the bytes are not those of a plan.
+BigVector<std::byte> bytes_of(const UpdatePlan& plan);
+std::optional<UpdatePlan> update_plan_of(std::span<const std::byte> bytes);
 
 }  // namespace tessera

@@ -3,18 +3,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstring>
-#include <numeric>
-#include <string>
 #include <utility>
+#include <vector>
 
 #include "src/base/files/whole_file.h"
-#include "src/base/on_threads.h"
-#include "src/base/stopped.h"
-#include "src/result/store/digest.h"
-#include "src/result/store/points_tile.h"
-#include "src/tiling/hilbert.h"
+#include "src/tiling/partition.h"
 
 namespace tessera {
 
@@ -22,8 +15,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Makes a hard link, or a copy where the file system has no hard links.
+// Makes a hard link, or a copy where the file system has no hard links. An earlier process may have made one.
 Status link_or_copy(const fs::path& from, const fs::path& to) {
+  BOOST_OUTCOME_TRYV(remove_file(to));
   if (::link(from.c_str(), to.c_str()) == 0) return success();
   BOOST_OUTCOME_TRY(bytes, read_whole(from));
   return write_whole(to, bytes);
@@ -39,127 +33,57 @@ bool touches(const Bounds& inner, const Bounds& outer, int dimension) {
 
 }  // namespace
 
-// A tile without a file gets one like the others.
-TileKind UpdatedResult::kind_of(TileId tile) const {
-  if (const auto index = setting_.source.find(tile)) return setting_.source.entry(*index).kind;
-  const auto& all = setting_.source.manifest().tiles;
-  const bool points = std::all_of(all.begin(), all.end(), [](const auto& e) { return e.kind == TileKind::points; });
-  return points ? TileKind::points : TileKind::cells;
-}
-
-// A foreign vertex that is new to a tile is a vertex of changed cells, so its owner was awake.
-Result<std::vector<std::byte>> UpdatedResult::rows_of(const TileMesh& mesh, TileId tile) const {
-  const std::size_t width = row_bytes(setting_.source.manifest().schema);
-  std::vector<std::byte> rows(mesh.ids.size() * width);
-  for (std::size_t v = 0; v < mesh.ids.size() && width > 0; ++v) {
-    auto row = tiles_.at(tile)->row(mesh.ids[v]);
-    const auto owner = tiles_.find(mesh.owners[v]);
-    if (!row && owner != tiles_.end()) row = owner->second->row(mesh.ids[v]);
-    if (!row) return error(Errc::internal, "the attributes of point " + to_string(mesh.ids[v]) + " are not known");
-    std::memcpy(&rows[v * width], row->data(), width);
-  }
-  return rows;
-}
-
-Result<TileEntry> UpdatedResult::write_as_points(TileId tile, const TileMesh& mesh,
-                                                 const std::vector<std::byte>& rows) {
-  const Manifest& manifest = setting_.source.manifest();
-  const auto own = static_cast<std::size_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
-  Bounds bounds;
-  for (std::size_t v = own; v < mesh.points.size(); ++v) bounds.add(mesh.points[v]);
-  const HilbertKey key(bounds, manifest.dimension);
-  std::vector<std::size_t> order(mesh.points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin() + static_cast<std::ptrdiff_t>(own), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(key(mesh.points[a]), mesh.ids[a]) < std::pair(key(mesh.points[b]), mesh.ids[b]);
-  });
-  std::vector<Point> points;
-  std::vector<PointId> ids;
-  std::vector<TileId> owners;
-  std::vector<std::byte> ordered(rows.size());
-  const std::size_t width = row_bytes(manifest.schema);
-  for (const std::size_t v : order) {
-    if (width > 0) std::memcpy(&ordered[points.size() * width], &rows[v * width], width);
-    points.push_back(mesh.points[v]);
-    ids.push_back(mesh.ids[v]);
-    owners.push_back(mesh.owners[v]);
-  }
-  CountedCells counted;
-  counted.cells = mesh.cell_ghost.size();
-  counted.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
-  counted.digest = CellDigest(manifest.dimension, mesh.ids).of(mesh.cells, mesh.cell_ghost.data());
-  return write_points_tile(folder_,
-                           {.dimension = manifest.dimension,
-                            .tile = tile,
-                            .own = own,
-                            .points = points,
-                            .ids = ids,
-                            .owners = owners,
-                            .schema = manifest.schema,
-                            .rows = ordered},
-                           counted, {.schema = manifest.schema, .stop = setting_.stop});
-}
-
-Status UpdatedResult::write(TileId tile, WokenTile& woken) {
-  throw_if_stopped(setting_.stop);
-  const Manifest& manifest = setting_.source.manifest();
-  const TileMesh mesh = woken.collect();
-  BOOST_OUTCOME_TRY(rows, rows_of(mesh, tile));
-  const StoreOptions options{.neighbors = manifest.neighbors, .schema = manifest.schema, .stop = setting_.stop};
-  BOOST_OUTCOME_TRY(entry, kind_of(tile) == TileKind::points ? write_as_points(tile, mesh, rows)
-                                                             : write_tile(folder_, tile, mesh, rows, options));
-  const std::lock_guard lock(mutex_);
-  written_[tile] = entry;
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    if (mesh.point_ghost[v] == 0) written_bounds_.add(mesh.points[v]);
-  }
-  return success();
-}
-
-Status UpdatedResult::write_changed(unsigned threads) {
-  std::vector<TileId> changed;
-  for (const auto& [id, tile] : tiles_) {
-    if (tile->awake() && tile->changed()) changed.push_back(id);
-  }
-  std::atomic<bool> failed{false};
-  std::atomic<std::size_t> next{0};
-  return on_threads(threads, failed, [&]() -> Status {
-    for (std::size_t i = next++; i < changed.size() && !failed; i = next++) {
-      BOOST_OUTCOME_TRYV(write(changed[i], *tiles_.at(changed[i])));
-    }
-    return success();
-  });
-}
-
 Status UpdatedResult::link_others() {
-  manifest_ = setting_.source.manifest();
+  manifest_ = source_.manifest();
   manifest_.tiles.clear();
-  for (std::size_t i = 0; i < setting_.source.tiles(); ++i) {
-    TileEntry entry = setting_.source.entry(i);
-    const auto woken = tiles_.find(entry.tile);
-    if (written_.contains(entry.tile) || (woken != tiles_.end() && woken->second->lost())) continue;
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    TileEntry entry = source_.entry(i);
+    if (is_other(entry.tile)) continue;
     entry.version = 1;
-    BOOST_OUTCOME_TRYV(link_or_copy(setting_.source.file(i), tile_file(folder_, entry)));
+    BOOST_OUTCOME_TRYV(link_or_copy(source_.file(i), tile_file(folder_, entry)));
     manifest_.tiles.push_back(entry);
   }
-  for (const auto& [tile, entry] : written_) manifest_.tiles.push_back(entry);
+  for (const auto& [tile, end] : ends_) {
+    if (end.entry) manifest_.tiles.push_back(*end.entry);
+  }
+  std::sort(manifest_.tiles.begin(), manifest_.tiles.end(),
+            [](const TileEntry& a, const TileEntry& b) { return a.tile < b.tile; });
   return success();
 }
 
-// The bounds can only shrink when a vertex goes that lies on them. Then all tiles are read.
+bool UpdatedResult::is_other(TileId tile) const {
+  const auto end = ends_.find(tile);
+  return end != ends_.end() && end->second.changed;
+}
+
+// The bounds can only shrink when a vertex goes that lies on them. Then the tiles are read that may have a vertex
+// beyond what is known by then: those at the sides of the partition.
 Result<Bounds> UpdatedResult::bounds() const {
-  const Manifest& old = setting_.source.manifest();
-  Bounds bounds = written_bounds_, removed;
-  for (const auto& [id, tile] : tiles_) removed.add(tile->removed_bounds());
+  const Manifest& old = source_.manifest();
+  Bounds bounds, removed;
+  for (const auto& [tile, end] : ends_) {
+    bounds.add(end.bounds);
+    removed.add(end.removed_bounds);
+  }
   if (!touches(removed, old.bounds, old.dimension)) {
     bounds.add(old.bounds);
     return bounds;
   }
-  for (std::size_t i = 0; i < setting_.source.tiles(); ++i) {
-    const TileId tile = setting_.source.entry(i).tile;
-    const auto woken = tiles_.find(tile);
-    if (written_.contains(tile) || (woken != tiles_.end() && woken->second->lost())) continue;
-    BOOST_OUTCOME_TRY(stored, setting_.source.read(i, {.cells = false}));
+  BOOST_OUTCOME_TRY(partition, Partition::from_json(old.partition));
+  std::vector<std::size_t> unread;
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    if (!is_other(source_.entry(i).tile)) unread.push_back(i);
+  }
+  for (const std::size_t i : unread) {
+    const Box& box = partition.boxes().at(source_.entry(i).tile.value);
+    bool beyond = bounds.empty();
+    for (int axis = 0; axis < old.dimension; ++axis) {
+      // no vertex of the tile lies outside its box, or outside the old bounds
+      beyond |= std::max(box.lo[axis], old.bounds.lo[axis]) < bounds.lo[axis] ||
+                std::min(box.hi[axis], old.bounds.hi[axis]) > bounds.hi[axis];
+    }
+    if (!beyond) continue;
+    BOOST_OUTCOME_TRY(stored, source_.read(i, {.cells = false}));
     for (std::size_t v = 0; v < stored.mesh.points.size(); ++v) {
       if (stored.mesh.point_ghost[v] == 0) bounds.add(stored.mesh.points[v]);
     }
@@ -177,7 +101,7 @@ Status UpdatedResult::finish(const ResultChange& change, const UpdateOptions& op
   if (!options.software_version.empty()) manifest_.software_version = options.software_version;
   manifest_.inputs.insert(manifest_.inputs.end(), options.inputs.begin(), options.inputs.end());
   manifest_.points_read += change.add.size();
-  manifest_.filtered += setting_.plan.removed_points;
+  manifest_.filtered += plan_.removed_points;
   manifest_.vertices = manifest_.cells = 0;
   for (const TileEntry& entry : manifest_.tiles) {
     manifest_.vertices += entry.own_points;
@@ -185,11 +109,11 @@ Status UpdatedResult::finish(const ResultChange& change, const UpdateOptions& op
   }
   manifest_.seconds.clear();
   manifest_.figures.clear();
-  std::vector<DuplicatePair> duplicates = setting_.plan.duplicates;
-  bool duplicates_changed = setting_.plan.duplicates_changed;
-  for (const auto& [id, tile] : tiles_) {
-    duplicates.insert(duplicates.end(), tile->duplicates().begin(), tile->duplicates().end());
-    duplicates_changed |= !tile->duplicates().empty();
+  std::vector<DuplicatePair> duplicates = plan_.duplicates;
+  bool duplicates_changed = plan_.duplicates_changed;
+  for (const auto& [tile, end] : ends_) {
+    duplicates.insert(duplicates.end(), end.duplicates.begin(), end.duplicates.end());
+    duplicates_changed |= !end.duplicates.empty();
   }
   if (duplicates_changed) manifest_.other_heights.reset();  // results do not keep the heights of duplicates
   std::sort(duplicates.begin(), duplicates.end());

@@ -1,46 +1,40 @@
 // The folder of a changed result: files of the tiles that have changed, links to the others, and the manifest.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
-#include <mutex>
-#include <vector>
+#include <utility>
 
 #include "src/base/result.h"
+#include "src/delaunay/update/changed_tile.h"
 #include "src/delaunay/update/update.h"
-#include "src/delaunay/update/woken_tile.h"
+#include "src/delaunay/update/update_plan.h"
+#include "src/result/tile_source.h"
 
 namespace tessera {
 
 class UpdatedResult {
  public:
-  using Tiles = std::map<TileId, std::unique_ptr<WokenTile>>;
-  // `tiles`: those that were read, after the exchange. `folder`: empty.
-  UpdatedResult(const UpdateSetting& setting, Tiles& tiles, std::filesystem::path folder)
-      : setting_(setting), tiles_(tiles), folder_(std::move(folder)) {}
+  using Ends = std::map<TileId, TileEnd>;
+  // `ends`: what the tiles have become that the change has concerned. `folder`: has the files of the tiles that have
+  // changed. All arguments outlive this object.
+  UpdatedResult(const TileSource& source, const UpdatePlan& plan, const Ends& ends, std::filesystem::path folder)
+      : source_(source), plan_(plan), ends_(ends), folder_(std::move(folder)) {}
 
-  // Writes the tiles that have changed. REQUIRES: none of them is flat.
-  Status write_changed(unsigned threads);
   Status link_others();
   // Writes what belongs to no tile, the manifest last.
   Status finish(const ResultChange& change, const UpdateOptions& options);
   const Manifest& manifest() const { return manifest_; }
 
  private:
-  Status write(TileId tile, WokenTile& woken);
-  Result<std::vector<std::byte>> rows_of(const TileMesh& mesh, TileId tile) const;
-  Result<TileEntry> write_as_points(TileId tile, const TileMesh& mesh, const std::vector<std::byte>& rows);
+  // Whether the tile has another file now, or none.
+  bool is_other(TileId tile) const;
   Result<Bounds> bounds() const;
-  TileKind kind_of(TileId tile) const;
 
-  const UpdateSetting& setting_;
-  Tiles& tiles_;
+  const TileSource& source_;
+  const UpdatePlan& plan_;
+  const Ends& ends_;
   std::filesystem::path folder_;
-  std::mutex mutex_;
-  std::map<TileId, TileEntry> written_;
-  Bounds written_bounds_;  // of the own vertices of the tiles that were written
   Manifest manifest_;
 };
 

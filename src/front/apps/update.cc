@@ -1,6 +1,8 @@
 // tessera update: removes points of a result and adds others.
 #include "src/delaunay/update/update.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -17,12 +19,15 @@
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/log.h"
 #include "src/front/apps/machine_options.h"
+#include "src/front/apps/percent_line.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/update_command.h"
 #include "src/input/bytes/byte_source.h"
 #include "src/input/cloud/cloud.h"
 #include "src/input/npy/npy_header.h"
 #include "src/job/arguments.h"
+#include "src/job/engine_steps.h"
+#include "src/job/estimate.h"
 #include "src/job/report/human.h"
 #include "src/job/version.h"
 #include "src/result/store/digest.h"
@@ -40,6 +45,8 @@ struct UpdateRequest {
   std::optional<std::string> box;
   PointSelection selection = {};
   UpdateOptions options = {};
+  int dimension = 3;  // of the result
+  std::uint64_t memory_bytes = 0;
   OutputOptions output = {};
 };
 
@@ -60,8 +67,13 @@ Result<UpdateRequest> read_request(Settings& settings, const std::string& result
     return error(
         Errc::usage,
         "nothing is to be changed; add --add FILES, --remove-ids FILE, --remove-class LIST or --remove-box BOX");
+  BOOST_OUTCOME_TRY(resume, settings.on("resume"));
+  request.options.resume = resume && !dry_run;
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  request.memory_bytes = memory;
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
   request.options.threads = threads;
+  request.options.progress = share_line("changing the result", output);
   return request;
 }
 
@@ -108,6 +120,7 @@ Result<ResultChange> read_change(UpdateRequest& request, const std::stop_token& 
   const TileSource source = opened.stopped_by(stop);
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(check_changeable(request.result, manifest));
+  request.dimension = manifest.dimension;
   ResultChange change;
   if (request.ids) {
     BOOST_OUTCOME_TRY(file, open_file(*request.ids));
@@ -127,8 +140,17 @@ Result<ResultChange> read_change(UpdateRequest& request, const std::stop_token& 
   return change;
 }
 
+// As the estimate of a triangulation, for the points of the tiles that are triangulated.
+double seconds_of(const UpdateRequest& request, const Updated& updated) {
+  const std::uint64_t limit = updated.old_points / std::max<std::uint64_t>(updated.awake, 1) + 1;
+  return estimate(request.dimension, KernelKind::flat, TileKind::cells, updated.old_points, limit, true, 0,
+                  {request.memory_bytes, request.options.threads})
+      .seconds;
+}
+
 void print(const UpdateRequest& request, const ResultChange& change, const Updated& updated) {
   const bool dry = request.options.dry_run;
+  const double seconds = seconds_of(request, updated);
   if (request.output.json) {
     nlohmann::ordered_json told{{"event", dry ? "would_update" : "updated"}};
     if (!dry) told["output"] = request.options.to.string();
@@ -136,9 +158,15 @@ void print(const UpdateRequest& request, const ResultChange& change, const Updat
     told["added"] = change.add.size();
     told["first_new_id"] = updated.first_new;
     told["duplicates"] = updated.duplicates;
+    told["way"] = updated.anew ? "anew" : "exchange";
+    told["tiles_begun"] = updated.begun;
     told["tiles_awake"] = updated.awake;
     told["tiles_changed"] = updated.written;
     told["points_sent"] = updated.exchange.sent;
+    if (dry) {
+      told["bytes"] = updated.old_bytes;
+      told["seconds"] = seconds;
+    }
     if (!dry) {
       told["tiles"] = updated.tiles;
       told["vertices"] = updated.vertices;
@@ -151,9 +179,18 @@ void print(const UpdateRequest& request, const ResultChange& change, const Updat
   if (request.output.quiet) return;
   say("%s points %s removed, %s added (%s of them equal to other points)\n", grouped(updated.removed).c_str(),
       dry ? "would be" : "were", grouped(change.add.size()).c_str(), grouped(updated.duplicates).c_str());
-  say("%s tiles %s triangulated again, and %s of them %s\n", grouped(updated.awake).c_str(), dry ? "would be" : "were",
-      grouped(updated.written).c_str(), dry ? "would change" : "have changed");
-  if (dry) return;
+  if (updated.anew) {
+    say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n",
+        dry ? "would be" : "were");
+  } else {
+    say("%s tiles %s triangulated again, and %s of them %s\n", grouped(updated.awake).c_str(),
+        dry ? "would be" : "were", grouped(updated.written).c_str(), dry ? "would change" : "have changed");
+  }
+  if (dry) {
+    say("about %s would be written, in about %s\n", human_bytes(updated.old_bytes).c_str(),
+        human_seconds(seconds).c_str());
+    return;
+  }
   say("%s: %s vertices, %s cells in %s tiles\n", request.options.to.c_str(), grouped(updated.vertices).c_str(),
       grouped(updated.cells).c_str(), grouped(updated.tiles).c_str());
 }
@@ -165,7 +202,16 @@ Status run_update(Settings& settings, const std::string& result, const std::vect
   request.options.software_version = version();
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(change, read_change(request, interrupt.token()));
-  BOOST_OUTCOME_TRY(updated, update_result(request.result, change, request.options, interrupt.token()));
+  Engine engine(request.options.threads, request.memory_bytes, kinds_of_stages());
+  Progress progress;
+  progress.log = log_debug;
+  EngineStages stages(
+      engine,
+      {.threads = request.options.threads, .memory_bytes = request.memory_bytes, .resumable = request.options.resume},
+      progress);
+  auto result_of_change = update_result(request.result, change, request.options, stages, interrupt.token());
+  clear_line(request.output);
+  BOOST_OUTCOME_TRY(updated, std::move(result_of_change));
   print(request, change, updated);
   return success();
 }
@@ -178,7 +224,7 @@ Command add_update(CLI::App& root) {
                              "  tessera update out/ --remove-ids ids.npy -o next/        (source indices)\n"
                              "  tessera update out/ --remove-class 7,18 -o next/         (LAS noise)\n"
                              "  tessera update out/ --remove-box 0,0,50,50 --add plot.laz -o next/\n"
-                             "  tessera update out/ --remove-class 7 --dry-run           (writes nothing)");
+                             "  tessera update out/ --remove-class 7 --dry-run           (tells what would change)");
   add_value(command, "output", "FOLDER", "the folder of the new result; the given one stays as it is", 'o', true);
   add_value(command, "add", "FILES", "add all points of these files: a file, a folder or a pattern", 0, true);
   add_value(command, "remove-ids", "FILE", "remove the points with these source indices: a NumPy list of integers", 0,
@@ -188,6 +234,12 @@ Command add_update(CLI::App& root) {
   add_value(command, "remove-box", "BOX",
             "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: remove the points inside", 0, true);
   add_switch(command, "dry-run", "write nothing, and tell what would change", 0, true);
+  add_switch(
+      command, "resume",
+      "continue an interrupted run of the same command, which has left its state in FOLDER.update, and leave the "
+      "state there when interrupted again",
+      0, true);
+  add_memory_option(command, "tiles");
   add_threads_option(command);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
