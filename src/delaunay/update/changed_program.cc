@@ -42,7 +42,7 @@ Result<bool> ChangedProgram::concerns() const {
   if (plan.added.contains(self_) || plan.losing.contains(self_)) return true;
   if (plan.removed.empty()) return false;
   BOOST_OUTCOME_TRY(told, setting_->store->told(self_));
-  return told.called;
+  return told.beside;
 }
 
 // `cells`: whether fresh points are to be found. Only a tile where points were removed needs its cells for that.
@@ -53,7 +53,7 @@ Status ChangedProgram::read(bool cells) {
     BOOST_OUTCOME_TRY(kept, setting_->store->told(self_));
     told = std::move(kept);
   }
-  BOOST_OUTCOME_TRY(mesh, setting_->store->read(self_, cells && (told.called || plan.losing.contains(self_))));
+  BOOST_OUTCOME_TRY(mesh, setting_->store->read(self_, cells && (told.beside || plan.losing.contains(self_))));
   start_ = std::make_unique<StartOfTile>(start_of(self_, std::move(mesh), plan, told));
   return success();
 }

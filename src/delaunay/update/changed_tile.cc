@@ -36,7 +36,7 @@ HolesOfTile holes_of(TileId self, const TileMesh& stored, const PointIds& remove
 
 BigVector<std::byte> bytes_of(const ToldOfHoles& told) {
   FlatWriter out;
-  out.value(static_cast<std::uint8_t>(told.called ? 1 : 0));
+  out.value(static_cast<std::uint8_t>(told.beside ? 1 : 0));
   out.list(told.around);
   return out.take();
 }
@@ -44,9 +44,9 @@ BigVector<std::byte> bytes_of(const ToldOfHoles& told) {
 std::optional<ToldOfHoles> told_of(std::span<const std::byte> bytes) {
   FlatReader in(bytes);
   ToldOfHoles told;
-  std::uint8_t called = 0;
-  if (!in.value(called) || called > 1 || !in.list(told.around) || !in.at_end()) return std::nullopt;
-  told.called = called != 0;
+  std::uint8_t beside = 0;
+  if (!in.value(beside) || beside > 1 || !in.list(told.around) || !in.at_end()) return std::nullopt;
+  told.beside = beside != 0;
   return told;
 }
 

@@ -27,9 +27,9 @@ HolesOfTile holes_of(TileId self, const TileMesh& stored, const PointIds& remove
 
 // What the owners of removed points have told a tile.
 struct ToldOfHoles {
-  bool called = false;              // points of the tile may be affected
+  bool beside = false;              // a vertex of the tile is in a cell with a removed point of another tile
   std::vector<SharedPoint> around;  // points around the holes, by id
-  bool empty() const { return !called && around.empty(); }
+  bool empty() const { return !beside && around.empty(); }
 };
 BigVector<std::byte> bytes_of(const ToldOfHoles& told);
 // Nothing when the bytes are not those of such a list.

@@ -51,13 +51,13 @@ Status HolesProgram::tell(std::span<const TileId> to) {
 bool HolesProgram::add(std::span<const std::byte> bytes) {
   const auto told = told_of(bytes);
   if (!told) return false;
-  called_ |= told->called;
+  beside_ |= told->beside;
   for (const SharedPoint& p : told->around) around_.emplace(p.id, p);
   return true;
 }
 
 ToldOfHoles HolesProgram::told() const {
-  ToldOfHoles told{called_, {}};
+  ToldOfHoles told{beside_, {}};
   for (const auto& [id, p] : around_) told.around.push_back(p);
   return told;
 }

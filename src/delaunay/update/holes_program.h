@@ -1,7 +1,7 @@
 // The first stage of a change: the owners of removed points tell the tiles around the holes.
 //
 // A tile finds the points that are affected by a removal in its own cells, but only if it knows that it has to look. So
-// the owner of a removed point calls all tiles that have a vertex in a cell with that point.
+// the owner of a removed point tells all tiles that have a vertex in a cell with that point.
 //
 // Besides, where points were removed at a border, a tile no longer knows what is beyond. It would take far points for
 // its neighbours, and wake tile after tile. So each tile that begins knows the points around the holes from the start.
@@ -51,7 +51,7 @@ class HolesProgram final : public TileProgram {
 
   TileId self_;
   std::shared_ptr<const UpdateSetting> setting_;
-  bool called_ = false;
+  bool beside_ = false;
   std::map<PointId, SharedPoint> around_;
   std::vector<TileId> reborn_;  // ascending
   std::vector<std::pair<TileId, Message>> messages_;
