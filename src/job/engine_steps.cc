@@ -10,7 +10,8 @@ namespace tessera {
 
 KindsOfStages kinds_of_stages() {
   return {{surface::kind_of_surface, std::make_shared<const surface::SurfaceStages>()},
-          {kind_of_update, std::make_shared<const UpdateStages>()}};
+          {kind_of_update, std::make_shared<const UpdateStages>(false)},
+          {kind_of_update_with_holes, std::make_shared<const UpdateStages>(true)}};
 }
 
 Status EngineSteps::run(const std::filesystem::path& result, const std::filesystem::path& run,

@@ -156,6 +156,10 @@ Result<Wanted> plan_change(const fs::path& result, const ResultChange& change, c
   return Wanted{std::move(source), std::move(partition), std::move(plan), anew};
 }
 
+const char* kind_of(const Wanted& wanted) {
+  return wanted.anew || wanted.plan.removed.empty() ? kind_of_update : kind_of_update_with_holes;
+}
+
 Result<Updated> try_update(const Wanted& wanted, const UpdateOptions& options, StagesRunner& runner,
                            const std::stop_token& stop) {
   if (wanted.anew) {
@@ -167,7 +171,7 @@ Result<Updated> try_update(const Wanted& wanted, const UpdateOptions& options, S
   }
   BOOST_OUTCOME_TRY(run, TemporaryFolder::make());
   BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
-  BOOST_OUTCOME_TRYV(runner.run(kind_of_update, wanted.source.folder(), run.path(), {}, options.progress, stop));
+  BOOST_OUTCOME_TRYV(runner.run(kind_of(wanted), wanted.source.folder(), run.path(), {}, options.progress, stop));
   BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
   return counted(ends, wanted);
 }
@@ -180,7 +184,7 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
                     RunFolder::claim(update_run_folder(options.to), "the new result", options.resume, options.lock));
   BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
   BOOST_OUTCOME_TRYV(
-      runner.run(kind_of_update, wanted.source.folder(), run.path(), run.lock_file(), options.progress, stop));
+      runner.run(kind_of(wanted), wanted.source.folder(), run.path(), run.lock_file(), options.progress, stop));
   BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
   Updated updated = counted(ends, wanted);
   const fs::path made = update_result_folder(run.path());

@@ -113,22 +113,24 @@ Result<std::vector<std::shared_ptr<const TilePrograms>>> UpdateStages::programs(
                         .store = std::make_shared<UpdateFolder>(input, plan, job.writes),
                         .result = input.source.folder().string(),
                         .stop = input.stop};
+  std::vector<std::shared_ptr<const TilePrograms>> programs;
   if (!job.anew.empty()) {
+    if (holes_) return error(Errc::corrupt, plan_file(input.run).string() + ": is damaged");
     BOOST_OUTCOME_TRY(start, read_anew(input.run, job));
-    BOOST_OUTCOME_TRY(anew, anew_programs(input, 1, plan, partition, std::move(start), setting.store));
-    setting.plan = std::make_shared<const UpdatePlan>();  // there is nothing to tell
-    return std::vector<std::shared_ptr<const TilePrograms>>{
-        std::make_shared<ProgramsOf<HolesProgram>>(std::make_shared<const UpdateSetting>(std::move(setting))), anew};
+    BOOST_OUTCOME_TRY(anew, anew_programs(input, 0, plan, partition, std::move(start), setting.store));
+    programs.push_back(anew);
+    return programs;
   }
   setting.around = known_from_start(input.source, *plan, partition);
   const auto shared = std::make_shared<const UpdateSetting>(std::move(setting));
-  return std::vector<std::shared_ptr<const TilePrograms>>{std::make_shared<ProgramsOf<HolesProgram>>(shared),
-                                                          std::make_shared<ProgramsOf<ChangedProgram>>(shared)};
+  if (holes_) programs.push_back(std::make_shared<ProgramsOf<HolesProgram>>(shared));
+  programs.push_back(std::make_shared<ProgramsOf<ChangedProgram>>(shared));
+  return programs;
 }
 
 // Tiles that a stage has left without a file come to its end again, which takes no time.
 Result<std::vector<TileReceipt>> UpdateStages::stored(const std::filesystem::path& run, std::uint32_t stage) const {
-  BOOST_OUTCOME_TRY(tiles, tiles_in(stage == 0 ? update_told_folder(run) : update_ends_folder(run)));
+  BOOST_OUTCOME_TRY(tiles, tiles_in(stage + 1 < count() ? update_told_folder(run) : update_ends_folder(run)));
   std::vector<TileReceipt> stored;
   for (const TileId tile : tiles) stored.push_back({tile, {}});
   return stored;

@@ -1,6 +1,6 @@
 // The change of a result as a job over its tiles, in two stages: tiles tell each other of holes (holes_program.h), and
-// exchange points (changed_program.h). When most tiles would begin, the second stage is a first triangulation (anew.h),
-// and nothing is done in the first one.
+// exchange points (changed_program.h). When no points are removed, there is only the second stage. When most tiles
+// would begin, there is only one stage, too: a first triangulation (anew.h).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,9 @@
 
 namespace tessera {
 
-inline constexpr const char* kind_of_update = "update";  // ShareSpec::stages
+// ShareSpec::stages. The second kind is for a change that removes points; the first one has only the second stage.
+inline constexpr const char* kind_of_update = "update";
+inline constexpr const char* kind_of_update_with_holes = "update-with-holes";
 
 // The job. What its tiles must know is in update_change_file().
 struct UpdateJob {
@@ -30,13 +32,17 @@ Result<UpdateJob> read_update_job(std::span<const std::byte> bytes, const std::s
 
 class UpdateStages final : public ResultStages {
  public:
-  std::uint32_t count() const override { return 2; }
+  explicit UpdateStages(bool holes) : holes_(holes) {}
+  std::uint32_t count() const override { return holes_ ? 2 : 1; }
   Result<std::vector<std::shared_ptr<const TilePrograms>>> programs(const ResultInput& input) const override;
   Result<std::vector<TileReceipt>> stored(const std::filesystem::path& run, std::uint32_t stage) const override;
   std::uint64_t work_bytes(const TileSource& source, std::size_t i) const override;
   Result<std::vector<std::uint64_t>> weights(const TileSource& source, const std::filesystem::path& run,
                                              std::span<const std::byte> plan) const override;
   void adjust(ScheduleOptions& schedule, const TileSource& source) const override;
+
+ private:
+  bool holes_;
 };
 
 }  // namespace tessera
