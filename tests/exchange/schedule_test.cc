@@ -340,10 +340,10 @@ TEST(Schedule, ATileThatIsBuiltByMailNeedsRoomForThatAndNeverSleepsBefore) {
   EXPECT_EQ(granted(schedule), "begin 2");
   schedule.note_done(TileId{2}, Work::begin, 100, {});
   schedule.note_mail(TileId{1}, {1, 2, 2});
-  EXPECT_EQ(granted(schedule), "sleep 2") << "205 held, and 100 to build";
-  schedule.note_done(TileId{2}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "sleep 0") << "207 held, and 100 to build";
+  schedule.note_done(TileId{0}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "step 1");
-  EXPECT_EQ(schedule.memory(), 209u) << "100 of tile 0, 7 and 102 of tile 1";
+  EXPECT_EQ(schedule.memory(), 209u) << "100 of tile 2, 7 and 102 of tile 1";
   schedule.note_done(TileId{1}, Work::step, 100, {});
   schedule.enter(Mode::suspending);
   EXPECT_EQ(granted(schedule), "sleep 1");

@@ -273,7 +273,7 @@ class ChangeOnActors : public ::testing::Test {
   }
   HarnessReport run() {
     const char* wanted = std::getenv("UPDATE_EXCHANGE_SEEDS");  // nightly.sh runs more
-    const std::uint64_t seeds = wanted == nullptr ? 150 : std::stoull(wanted);
+    const std::uint64_t seeds = wanted == nullptr ? 80 : std::stoull(wanted);
     options_.last_seed = seeds;
     const HarnessReport report = run_harness(options_);
     EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;

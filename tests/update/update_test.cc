@@ -247,6 +247,13 @@ TEST_F(Selection, HasTheVerticesOfABoxOrAClassAndTheirDuplicates) {
   EXPECT_TRUE(select({}).empty());
 }
 
+class UpdateBy : public Update, public ::testing::WithParamInterface<UpdateWay> {
+ protected:
+  UpdateBy() { way_ = GetParam(); }
+};
+INSTANTIATE_TEST_SUITE_P(Ways, UpdateBy, ::testing::Values(UpdateWay::exchange, UpdateWay::anew),
+                         [](const auto& info) { return info.param == UpdateWay::anew ? "Anew" : "Exchange"; });
+
 constexpr std::uint64_t seed = 5;
 const Case usual{"uniform", 3, 20, PartitionKind::kdtree, TileKind::cells};
 const Case planar{"uniform", 2, 20, PartitionKind::kdtree, TileKind::cells};
@@ -294,6 +301,24 @@ TEST_F(Update, ThatIsDryWritesNothingAndTellsTheSame) {
   EXPECT_EQ(dry.value().written, updated.written);
 }
 
+// The same tiles as with much memory, where hardly two tiles fit, and those that wait are on disk.
+TEST_F(Update, WorksInLittleMemory) {
+  make({"lattice", 3, 30, PartitionKind::kdtree, TileKind::cells}, 3000, seed, true);
+  std::vector<PointId> remove;
+  for (const LocalPoint& p : cloud_.points) {
+    if (rng_() % 40 == 0) remove.push_back(p.id);
+  }
+  const ResultChange wanted = change(remove, {{0.4, 0.5, 0.3}, {-3, 0.2, 0.9}});
+  for (const UpdateWay way : {UpdateWay::exchange, UpdateWay::anew}) {
+    const auto updated = update_here(now(), wanted, {.to = next(), .threads = 2, .way = way}, {}, 1 << 20);
+    ASSERT_TRUE(updated) << updated.error().where;
+    if (way == UpdateWay::exchange) fs::remove_all(next());
+  }
+  apply(wanted);
+  ++number_;
+  expect_as_from_scratch();
+}
+
 TEST_F(Update, OfNothingLinksEverything) {
   make(planar, 300, seed, true);
   const Updated updated = update(change({}, {}));
@@ -302,7 +327,7 @@ TEST_F(Update, OfNothingLinksEverything) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, TakesNewPointsAtOldPlacesAsDuplicates) {
+TEST_P(UpdateBy, TakesNewPointsAtOldPlacesAsDuplicates) {
   make(usual, 300, seed, false);
   const Point at = cloud_.points[40].at;
   const Updated updated = update(change({}, {at, {9, 9, 9}, at, {9, 9, 9}}));
@@ -321,7 +346,7 @@ TEST_F(Update, TakesNewPointsAtOldPlacesAsDuplicates) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, RemovesAVertexWithAttributesTogetherWithItsDuplicatesAlone) {
+TEST_P(UpdateBy, RemovesAVertexWithAttributesTogetherWithItsDuplicatesAlone) {
   make(usual, 300, seed, true);
   update(change({}, {cloud_.points[40].at}));
   expect_as_from_scratch();
@@ -330,7 +355,7 @@ TEST_F(Update, RemovesAVertexWithAttributesTogetherWithItsDuplicatesAlone) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, ReplacesAllPoints) {
+TEST_P(UpdateBy, ReplacesAllPoints) {
   make(usual, 300, seed, true);
   std::vector<PointId> all;
   for (const LocalPoint& p : cloud_.points) all.push_back(p.id);
@@ -339,7 +364,7 @@ TEST_F(Update, ReplacesAllPoints) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, TakesAPointFarOutsideAllBounds) {
+TEST_P(UpdateBy, TakesAPointFarOutsideAllBounds) {
   make(usual, 300, seed, true);
   update(change({}, {{1e9, -3e7, 2}}));
   expect_as_from_scratch();
@@ -347,7 +372,7 @@ TEST_F(Update, TakesAPointFarOutsideAllBounds) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, RefusesWhatCannotBeAndLeavesNothing) {
+TEST_P(UpdateBy, RefusesWhatCannotBeAndLeavesNothing) {
   make(usual, 300, seed, false);
   EXPECT_NE(refusal(change({PointId{1000}}, {})).find("there is no point 1000 to remove"), std::string::npos);
   EXPECT_NE(refusal(change({}, {{0, std::numeric_limits<double>::quiet_NaN(), 0}})).find("not finite"),
@@ -371,7 +396,7 @@ TEST_F(Update, RefusesAFolderThatExists) {
   EXPECT_NE(updated.error().where.find("exists already"), std::string::npos);
 }
 
-TEST_F(Update, StopsWhenItIsAskedTo) {
+TEST_P(UpdateBy, StopsWhenItIsAskedTo) {
   make(usual, 100, seed, false);
   std::stop_source stop;
   stop.request_stop();

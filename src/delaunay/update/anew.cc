@@ -207,6 +207,7 @@ class AnewPrograms final : public TilePrograms {
               {.neighbors = input.source.manifest().neighbors,
                .schema = input.source.manifest().schema,
                .node = input.node,
+               .sync = input.own != input.run,
                .stop = input.stop},
               input.threads + 1, scratch_, nullptr),
         store_(points_, disk_, std::move(ends)) {

@@ -37,7 +37,8 @@ UpdateFolder::UpdateFolder(const ResultInput& input, std::shared_ptr<const Updat
       node_(input.node),
       stop_(input.stop),
       rows_(input.source, std::move(plan), input.memory_bytes),
-      writes_(writes) {}
+      writes_(writes),
+      many_nodes_(input.own != input.run) {}
 
 Result<TileMesh> UpdateFolder::read(TileId tile, bool cells) {
   const auto index = source_.find(tile);
@@ -119,14 +120,15 @@ Result<TileEntry> UpdateFolder::write_as_points(TileId tile, const TileMesh& mes
                             .owners = owners,
                             .schema = manifest.schema,
                             .rows = ordered},
-                           counted, {.schema = manifest.schema, .node = node_, .stop = stop_});
+                           counted, {.schema = manifest.schema, .node = node_, .sync = many_nodes_, .stop = stop_});
 }
 
 Result<TileEntry> UpdateFolder::write(TileId tile, CollectedTile& cells) {
   const Manifest& manifest = source_.manifest();
   BOOST_OUTCOME_TRY(rows, rows_.of(tile, cells.mesh.ids, cells.mesh.owners));
   if (kind_of(tile) == TileKind::points) return write_as_points(tile, std::move(cells).whole(), rows);
-  const StoreOptions options{.neighbors = manifest.neighbors, .schema = manifest.schema, .node = node_, .stop = stop_};
+  const StoreOptions options{
+      .neighbors = manifest.neighbors, .schema = manifest.schema, .node = node_, .sync = many_nodes_, .stop = stop_};
   return write_tile(update_result_folder(run_), tile, cells.mesh, cells, rows, options);
 }
 

@@ -33,7 +33,7 @@ class UpdateFolder final : public UpdateStore {
   NodeId node_;
   std::stop_token stop_;
   RowsOfTiles rows_;
-  bool writes_;
+  bool writes_, many_nodes_;
 };
 
 // Returns what has become of a tile in a run with this seal. Errors: io, corrupt.
