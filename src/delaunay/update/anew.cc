@@ -27,14 +27,30 @@ namespace tessera {
 
 namespace {
 
-Result<StartOfTile> read_tile(const TileSource& source, const UpdatePlan& plan, TileId tile) {
+Result<TileMesh> read_mesh(const TileSource& source, TileId tile) {
   TileMesh mesh;
   mesh.dimension = source.manifest().dimension;
   if (const auto index = source.find(tile)) {
     BOOST_OUTCOME_TRY(stored, source.read(*index, {.cells = false}));
     mesh = std::move(stored.mesh);
   }
-  return start_of(tile, std::move(mesh), plan, {});
+  return mesh;
+}
+
+// The tile's points after the change: distinct, in any order.
+Result<std::vector<LocalPoint>> points_left(const TileSource& source, const UpdatePlan& plan, TileId tile) {
+  BOOST_OUTCOME_TRY(mesh, read_mesh(source, tile));
+  std::vector<LocalPoint> left;
+  if (plan.heirs.empty() && !plan.added.contains(tile)) {
+    for (std::size_t v = 0; v < mesh.ids.size(); ++v) {
+      if (mesh.point_ghost[v] == 0 && !plan.removed.contains(mesh.ids[v]))
+        left.push_back({mesh.points[v], mesh.ids[v]});
+    }
+    return left;
+  }
+  const StartOfTile start = start_of(tile, std::move(mesh), plan, {});
+  for (std::size_t v = 0; v < start.points.size(); ++v) left.push_back({start.points[v], start.ids[v]});
+  return left;
 }
 
 std::vector<TileId> tiles_with_points(const TileSource& source, const UpdatePlan& plan) {
@@ -72,15 +88,14 @@ Result<AnewStart> find_anew_start(const TileSource& source, const Partition& par
     for (std::size_t i = next++; i < tiles.size() && !failed; i = next++) {
       throw_if_stopped(stop);
       const TileId tile = tiles[i];
-      BOOST_OUTCOME_TRY(points, read_tile(source, plan, tile));
+      BOOST_OUTCOME_TRY(points, points_left(source, plan, tile));
       AffineBasis span(dimension);
-      for (std::size_t v = 0; v < points.points.size(); ++v) {
-        const LocalPoint p{points.points[v], points.ids[v]};
+      for (const LocalPoint& p : points) {
         found.seeds.add(tile, partition.boxes()[tile.value], p);
         span.add(std::span(&p, 1));
         start.bounds[tile.value].add(p.at);
       }
-      start.points[tile.value] = points.points.size();
+      start.points[tile.value] = points.size();
       found.spans.emplace(tile, std::move(span));
     }
     const std::lock_guard lock(mutex);
@@ -128,7 +143,8 @@ class ChangedPointsOfResult final : public TilePoints {
   const std::vector<Attribute>& schema() const override { return source_.manifest().schema; }
   // Of equal points the first is kept; the others are known from changed().
   Result<LoadedTile> load(TileId tile) const override {
-    BOOST_OUTCOME_TRY(points, read_tile(source_, *plan_, tile));
+    BOOST_OUTCOME_TRY(mesh, read_mesh(source_, tile));
+    StartOfTile points = start_of(tile, std::move(mesh), *plan_, {});
     LoadedTile loaded;
     loaded.points = std::move(points.points);
     loaded.ids = std::move(points.ids);

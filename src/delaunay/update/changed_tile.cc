@@ -98,9 +98,9 @@ StartOfTile start_of(TileId self, TileMesh stored, const UpdatePlan& plan, const
     start.fresh = std::move(changed.fresh);
     return start;
   }
-  PointIds quiet;
-  for (std::size_t i = 0; i < old; ++i) {
-    if (changed.fresh[i] == 0) quiet.insert(changed.own[i].id);
+  PointIds fresh;  // few of the points are
+  for (std::size_t i = 0; i < changed.own.size(); ++i) {
+    if (changed.fresh[i] != 0) fresh.insert(changed.own[i].id);
   }
   LoadedTile ordered = order_points(changed.own, dimension);
   for (const auto& [duplicate, kept] : ordered.duplicates) start.duplicates.push_back({duplicate, kept});
@@ -108,7 +108,7 @@ StartOfTile start_of(TileId self, TileMesh stored, const UpdatePlan& plan, const
   start.ids = std::move(ordered.ids);
   start.begins = false;
   for (const PointId id : start.ids) {
-    start.fresh.push_back(quiet.contains(id) ? 0 : 1);
+    start.fresh.push_back(fresh.contains(id) ? 1 : 0);
     start.begins |= start.fresh.back() != 0;
   }
   return start;
