@@ -86,6 +86,7 @@ for name in $parts; do
       CHANGES_SEED=$((SEED % 1000000 * 1000000)) CHANGES_WORLDS=$seeds part seeds-changes "$build/tests/tile/changes_test" '--gtest_filter=Changes.*'
       SECOND_STAGE_SEEDS=$((seeds / 15)) part seeds-second-stage "$build/tests/exchange/second_stage_test" '--gtest_filter=SecondStage.*'
       SURFACE_STEPS_SEEDS=$((seeds / 15)) part seeds-surface-steps "$build/tests/surface/surface_steps_test" '--gtest_filter=SurfaceSteps.*'
+      UPDATE_EXCHANGE_SEEDS=$((seeds / 15)) part seeds-update-exchange "$build/tests/update/update_exchange_test" '--gtest_filter=ChangeOnActors.*'
       ;;
     models) part models /usr/bin/python3 "$source/tests/model/run.py" --full ;;
     fuzz) if [ -d "$fuzz/tests/fuzz" ]; then part fuzz fuzz_all; else echo "fuzz: no build in $fuzz"; fi ;;

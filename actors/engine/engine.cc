@@ -15,6 +15,8 @@
 #include "actors/node_actor.h"
 #include "actors/prepared.h"
 #include "actors/scheduler.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
 #include "src/delaunay/run/result_shares.h"
 #include "src/delaunay/run/routed_shares.h"
 #include "src/delaunay/run/settled_stages.h"
@@ -241,8 +243,12 @@ Status Engine::Impl::run(const ResultJob& wanted, const std::function<void(doubl
   job.spec.out_folder = wanted.result.string();
   job.spec.stages = wanted.kind;
   job.stages = stages->count();
-  job.weights = weights_of(result);
-  for (std::size_t i = 0; i < result.tiles(); ++i) job.order.push_back(result.entry(i).tile);
+  BOOST_OUTCOME_TRY(plan, read_whole(plan_file(wanted.run)));
+  BOOST_OUTCOME_TRY(weights, stages->weights(result, wanted.run, plan));
+  for (std::uint32_t t = 0; t < weights.size(); ++t) {
+    if (weights[t] > 0) job.order.push_back(TileId{t});
+  }
+  job.weights = std::move(weights);
   job.stored = [stages = stages, run = wanted.run](std::uint32_t stage) { return stages->stored(run, stage); };
   const std::uint64_t of_point = bytes_a_point(*stages, result);
   // Half of a node's memory is for tiles that are worked on.

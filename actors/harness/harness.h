@@ -41,6 +41,8 @@ class LaterStages {
  public:
   virtual ~LaterStages() = default;
   virtual std::uint32_t count() const { return 1; }
+  // As in ScheduleOptions.
+  virtual std::uint64_t unbuilt_bytes() const { return 0; }
   // Returns the programs of the stage with this number, from 0. `tiles` is the finished triangulation, and lives as
   // long as the programs.
   virtual std::shared_ptr<const TilePrograms> programs(std::uint32_t stage,

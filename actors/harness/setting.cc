@@ -134,6 +134,7 @@ Result<std::unique_ptr<Share>> MemoryShares::open(const ShareSpec& spec, NodeId 
     one.context.storage = &storage_.at(home_, stage);
     one.context.programs = programs(*share, stage);
     one.context.watch = watches_.at(stage);
+    if (stage > 0) one.schedule.unbuilt_bytes = later_->unbuilt_bytes();
     // As after a restart with a disk: that mail was for incarnations that are dead.
     BOOST_OUTCOME_TRYV(one.context.storage->clear(ScratchKind::mail));
   }

@@ -6,9 +6,6 @@
 #include <utility>
 
 #include "src/delaunay/duplicates.h"
-#include "src/exchange/update.h"
-#include "src/geometry/kernel/brio.h"
-#include "src/tiling/hilbert.h"
 
 namespace tessera {
 namespace {
@@ -67,69 +64,25 @@ Status DelaunayProgram::begin_settled(Message settled) {
   if (settled.size() % sizeof(SharedPoint) != 0) return damaged(self_, "list of foreign vertices");
   BOOST_OUTCOME_TRYV(take(self_, true, std::move(settled)));
   BOOST_OUTCOME_TRYV(build(false));
-  return insert();
+  return heard_.insert_into(*triangulation_, stage_.dimension);
 }
 
 // Told bits are valid only if the sender goes by the same routing table.
 Status DelaunayProgram::take(TileId from, bool current, Message message) {
-  if (message.size() % sizeof(SharedPoint) != 0) {
-    return error(Errc::internal, "tile " + std::to_string(self_.value) + ": tile " + std::to_string(from.value) +
-                                     " has sent " + std::to_string(message.size()) +
-                                     " bytes, which is not a whole number of points");
-  }
-  for (std::size_t at = 0; at < message.size(); at += sizeof(SharedPoint)) {
-    Heard& heard = heard_.emplace_back();
-    heard.from = from;
-    std::memcpy(&heard.point, message.data() + at, sizeof(SharedPoint));
-    if (!current) heard.point.told = 0;
-  }
-  return success();
+  return heard_.add(self_, from, message, current ? ~std::uint32_t{0} : 0);
 }
 
 Status DelaunayProgram::step() {
   BOOST_OUTCOME_TRYV(finals_.stored_so_far());  // a full disk is noticed now, not at the end
-  BOOST_OUTCOME_TRYV(insert());
+  BOOST_OUTCOME_TRYV(heard_.insert_into(*triangulation_, stage_.dimension));
   triangulation_->introduce();
   counts_ = triangulation_->counts();
   return success();
 }
 
-// Inserts points in Hilbert order, so that each insertion starts where the last one ended, but a few random points
-// first. The first points beyond the hull see a whole face of it, and in Hilbert order alone every point would be the
-// first of its region. The random points are few, because they are far from each other, and the cells of each must be
-// fetched into the cache.
-Status DelaunayProgram::insert() {
-  struct Item {
-    std::uint64_t key;
-    const Heard* heard;
-  };
-  const std::vector<Heard> heard = std::exchange(heard_, {});
-  Bounds bounds;
-  for (const Heard& h : heard) bounds.add(h.point.at);
-  const HilbertKey key(bounds, stage_.dimension);
-  std::vector<Item> items;
-  items.reserve(heard.size());
-  for (const Heard& h : heard) items.push_back({key(h.point.at), &h});
-  std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
-  Status done = success();
-  for_each_in_brio_order<5>(items.size(), [&](std::size_t i) {
-    if (done) done = triangulation_->receive(items[i].heard->from, std::span(&items[i].heard->point, 1));
-  });
-  return done;
-}
-
 std::vector<std::pair<TileId, Message>> DelaunayProgram::messages() {
-  constexpr std::size_t most = message_bytes_max / sizeof(SharedPoint);
-  std::vector<std::pair<TileId, Message>> out;
-  if (!triangulation_) return out;
-  for (const auto& [tile, points] : triangulation_->take_updates()) {
-    std::span<const SharedPoint> rest(points);
-    for (; !rest.empty(); rest = rest.subspan(std::min(most, rest.size()))) {
-      const auto bytes = std::as_bytes(rest.first(std::min(most, rest.size())));
-      out.emplace_back(tile, Message(bytes.begin(), bytes.end()));
-    }
-  }
-  return out;
+  if (!triangulation_) return {};
+  return messages_of(*triangulation_);
 }
 
 // The star of a point among the tile's own points and the point's neighbours is its star among all points, and further

@@ -8,6 +8,7 @@
 
 #include "src/base/point.h"
 #include "src/delaunay/delaunay_stage.h"
+#include "src/delaunay/heard_points.h"
 #include "src/delaunay/tile_finals.h"
 #include "src/exchange/tile_program.h"
 #include "src/tiling/tile/tile_triangulation.h"
@@ -45,13 +46,8 @@ class DelaunayProgram final : public TileProgram {
     CountedCells gone;
     std::uint64_t finals_sum = 0;  // checksum of the list of final cells that belongs to the image; 0: there is none
   };
-  struct Heard {
-    TileId from;
-    SharedPoint point;
-  };
 
   Status build(bool announce);
-  Status insert();
   Status load_own_points();
   std::unique_ptr<TileTriangulation> decode(Image image, ImageEnd& end) const;
   Result<bool> wake(Image image);
@@ -67,7 +63,7 @@ class DelaunayProgram final : public TileProgram {
   TileId self_;
   const DelaunayStage& stage_;
   std::unique_ptr<TileTriangulation> triangulation_;
-  std::vector<Heard> heard_;            // received, and not worked on yet
+  HeardPoints heard_;                   // received, and not worked on yet
   std::unique_ptr<LoadedTile> points_;  // kept while the tile is whole in memory
   TileFinals finals_;
   bool earlier_ = false;  // the image on scratch is of an earlier life

@@ -102,7 +102,7 @@ void Schedule::link(TileId t) {
     ready_.insert(rank(t, tile));
     awake_.insert({tile.mail.bytes, t});
   }
-  if (tile.residency == Residency::awake && tile.mail.updates == 0) quiet_.insert(t);
+  if (tile.residency == Residency::awake && tile.mail.updates == 0 && !unbuilt(tile)) quiet_.insert(t);
   if (tile.residency == Residency::asleep && tile.mail.updates > 0) called_.insert(t);
   if (pending(tile)) pending_.insert({tile.residency != Residency::awake, t});
 }
@@ -205,7 +205,7 @@ bool Schedule::idle() const {
     case Mode::handing:
       return pending_.empty();
     case Mode::suspending:
-      return quiet_.empty() && awake_.empty();
+      return !to_sleep(nobody);
     case Mode::stopping:
       return true;
   }
@@ -274,11 +274,16 @@ std::optional<Schedule::Permit> Schedule::hand_next() {
 std::optional<Schedule::Permit> Schedule::step_awake() {
   const TileId t = std::get<2>(*ready_.begin());
   const Tile& tile = tiles_.at(t);
-  return grant_in_room(t, Work::step, tile.memory + growth(tile.mail));
+  return grant_in_room(t, Work::step, tile.memory + growth(tile));
 }
 
-std::uint64_t Schedule::growth(const Waiting& mail) const {
-  return static_cast<std::uint64_t>(options_.mail_growth * static_cast<double>(mail.bytes));
+bool Schedule::unbuilt(const Tile& tile) const {
+  return tile.residency == Residency::awake && tile.held < options_.unbuilt_bytes;
+}
+
+std::uint64_t Schedule::growth(const Tile& tile) const {
+  const std::uint64_t building = unbuilt(tile) ? options_.begin_bytes * tile.weight : 0;
+  return building + static_cast<std::uint64_t>(options_.mail_growth * static_cast<double>(tile.mail.bytes));
 }
 
 std::optional<Schedule::Permit> Schedule::wake_next() {
@@ -286,7 +291,7 @@ std::optional<Schedule::Permit> Schedule::wake_next() {
   if (!t) return std::nullopt;
   sweep_ = *t;
   const Tile& tile = tiles_.at(*t);
-  return grant_in_room(*t, Work::step, tile.memory + waking_bytes(tile) + growth(tile.mail));
+  return grant_in_room(*t, Work::step, tile.memory + waking_bytes(tile) + growth(tile));
 }
 
 // Returns the next tile of the sweep, of the sleeping tiles with mail. The sweep turns where it ends.
@@ -312,7 +317,7 @@ std::optional<TileId> Schedule::to_sleep(TileId but) const {
   if (last != quiet_.rend() && *last == but) ++last;
   if (first != quiet_.end() && last != quiet_.rend()) return distance(*first) > distance(*last) ? *first : *last;
   for (const auto& [bytes, t] : awake_) {
-    if (t != but) return t;
+    if (t != but && !unbuilt(tiles_.at(t))) return t;
   }
   return std::nullopt;
 }

@@ -43,6 +43,9 @@ struct ScheduleOptions {
   // What a tile takes beside what it holds, in percent of what it holds while awake: while it falls asleep, and while
   // its image is read.
   std::uint64_t sleep_percent = 120, wake_percent = 200;
+  // A tile that holds fewer bytes was not built when it began, and is built at its first mail. That step needs as much
+  // memory as a beginning. Such a tile never sleeps, as it has nothing to free. 0: there are no such tiles.
+  std::uint64_t unbuilt_bytes = 0;
   bool settle_asleep = false;  // later readers cannot use images: settle sleeping tiles, too
 };
 
@@ -136,7 +139,10 @@ class Schedule {
   std::optional<Permit> wake_next();
   std::optional<TileId> next_of_sweep();
   std::optional<TileId> to_sleep(TileId but) const;
-  std::uint64_t growth(const Waiting& mail) const;
+  // How many bytes the tile may take at most on top of what it holds, in a step.
+  std::uint64_t growth(const Tile& tile) const;
+  // Whether the tile has begun and holds nothing yet.
+  bool unbuilt(const Tile& tile) const;
   std::uint64_t sleeping_bytes(const Tile& tile) const { return tile.held * options_.sleep_percent / 100; }
   std::uint64_t waking_bytes(const Tile& tile) const { return tile.held * options_.wake_percent / 100; }
   bool ahead() const { return working_ >= options_.threads; }

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <utility>
 
 #include "actors/engine/engine.h"
+#include "src/delaunay/run/stages_runner.h"
 #include "src/surface/steps_runner.h"
 
 namespace tessera {
@@ -22,6 +24,22 @@ class EngineSteps final : public surface::StepsRunner {
              const std::filesystem::path& lock_file, const std::function<void(double)>& part,
              const std::stop_token& stop) override;
   std::uint64_t bytes_of_one() const override;
+
+ private:
+  Engine& engine_;
+  ShareOptions options_;
+  Progress& progress_;
+};
+
+// Runs jobs of any kind on an engine.
+class EngineStages final : public StagesRunner {
+ public:
+  // As EngineSteps.
+  EngineStages(Engine& engine, ShareOptions options, Progress& progress)
+      : engine_(engine), options_(std::move(options)), progress_(progress) {}
+  Status run(const std::string& kind, const std::filesystem::path& result, const std::filesystem::path& run,
+             const std::filesystem::path& lock_file, const std::function<void(double)>& part,
+             const std::stop_token& stop) override;
 
  private:
   Engine& engine_;

@@ -8,10 +8,10 @@
 #include "src/base/files/surface_names.h"
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
+#include "src/delaunay/run/run_folder.h"
 #include "src/result/tileset/tileset.h"
 #include "src/surface/build.h"
 #include "src/surface/recipe.h"
-#include "src/surface/run_folder.h"
 
 namespace tessera {
 
@@ -83,7 +83,7 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   if (options.output.format == tileset_format) {
     BOOST_OUTCOME_TRYV(check_tileset_partition(in, source.manifest().partition));
   }
-  BOOST_OUTCOME_TRY(run, surface::RunFolder::claim(surface_run_folder(place), options.resume, options.lock));
+  BOOST_OUTCOME_TRY(run, RunFolder::claim(surface_run_folder(place), "the surface", options.resume, options.lock));
   constexpr double built_part = 0.9;
   const auto tell = [&](double begin, double end) {
     return [&options, begin, end](double fraction) {

@@ -328,6 +328,33 @@ TEST(Schedule, TilesAsleepAreWokenToBeSettledWhereImagesAreNoUse) {
 }
 
 // 20,000 tiles with mail: were each grant to look at all of them, this would take minutes.
+// Tile 1 holds nothing after its beginning: there is nothing to put to sleep, and its first step builds it.
+TEST(Schedule, ATileThatIsBuiltByMailNeedsRoomForThatAndNeverSleepsBefore) {
+  ScheduleOptions built_by_mail = options(1, 250);
+  built_by_mail.unbuilt_bytes = 50;
+  Schedule schedule(built_by_mail, {10, 10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.note_done(TileId{0}, Work::begin, 100, {});
+  EXPECT_EQ(granted(schedule), "begin 1");
+  schedule.note_done(TileId{1}, Work::begin, 5, {});
+  EXPECT_EQ(granted(schedule), "begin 2");
+  schedule.note_done(TileId{2}, Work::begin, 100, {});
+  schedule.note_mail(TileId{1}, {1, 2, 2});
+  EXPECT_EQ(granted(schedule), "sleep 0") << "207 held, and 100 to build";
+  schedule.note_done(TileId{0}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "step 1");
+  EXPECT_EQ(schedule.memory(), 209u) << "100 of tile 2, 7 and 102 of tile 1";
+  schedule.note_done(TileId{1}, Work::step, 100, {});
+  schedule.enter(Mode::suspending);
+  EXPECT_EQ(granted(schedule), "sleep 1");
+  Schedule only(built_by_mail, {10});
+  EXPECT_EQ(granted(only), "begin 0");
+  only.note_done(TileId{0}, Work::begin, 5, {});
+  only.enter(Mode::suspending);
+  EXPECT_EQ(granted(only), "");
+  EXPECT_TRUE(only.idle());
+}
+
 TEST(Schedule, ManyTilesCostLittle) {
   constexpr std::uint32_t tiles = 20'000;
   Schedule schedule(options(2, std::uint64_t{1} << 40), std::vector<std::uint64_t>(tiles, 1));

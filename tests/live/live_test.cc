@@ -10,6 +10,8 @@
 #include <limits>
 #include <thread>
 
+#include "src/delaunay/update/update.h"
+#include "src/job/engine_steps.h"
 #include "src/result/tile_source.h"
 #include "src/result/verify/verify.h"
 #include "tests/live/live_model.h"
@@ -151,7 +153,10 @@ TEST_F(LiveOne, DoesNotLoseALogWhenTheResultIsChangedByOthers) {
   ASSERT_NE(live_, nullptr);
   ASSERT_TRUE(live_->apply({.add = {{0.25, 0.5, 0}}}));
   live_.reset();
-  ASSERT_TRUE(update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}));
+  Engine engine(1, std::uint64_t{1} << 30, kinds_of_stages());
+  Progress progress;
+  EngineStages stages(engine, {.threads = 1}, progress);
+  ASSERT_TRUE(update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages));
   const auto lost = LiveResult::open(folder_, {});
   ASSERT_FALSE(lost);
   EXPECT_NE(lost.error().where.find("000001.log: this log has changes of an older version"), std::string::npos)

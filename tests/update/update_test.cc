@@ -19,6 +19,7 @@
 #include "src/delaunay/update/select_points.h"
 #include "src/geometry/reference/clouds.h"
 #include "src/geometry/reference/reference.h"
+#include "src/job/engine_steps.h"
 #include "src/result/tile_source.h"
 #include "src/result/verify/verify.h"
 #include "src/result/voronoi/clip_region.h"
@@ -29,6 +30,15 @@ namespace tessera::testing {
 namespace {
 
 namespace fs = std::filesystem;
+
+// As the command does it, in this process.
+Result<Updated> update_here(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
+                            std::stop_token stop = {}, std::uint64_t memory_bytes = std::uint64_t{1} << 30) {
+  Engine engine(options.threads, memory_bytes, kinds_of_stages());
+  Progress progress;
+  EngineStages stages(engine, {.threads = options.threads, .memory_bytes = memory_bytes}, progress);
+  return update_result(result, change, options, stages, std::move(stop));
+}
 
 struct Case {
   std::string kind;
@@ -78,7 +88,7 @@ class Update : public ::testing::Test {
     for (const Point& p : change.add) cloud_.points.push_back({p, PointId{cloud_.points_read++}});
   }
   Updated update(const ResultChange& change, unsigned threads = 2) {
-    auto updated = update_result(now(), change, {.to = next(), .threads = threads});
+    auto updated = update_here(now(), change, {.to = next(), .threads = threads, .way = way_});
     EXPECT_TRUE(updated) << (updated ? "" : updated.error().where);
     if (!updated) return {};
     apply(change);
@@ -86,7 +96,7 @@ class Update : public ::testing::Test {
     return updated.value();
   }
   std::string refusal(const ResultChange& change) const {
-    const auto updated = update_result(now(), change, {.to = next(), .threads = 2});
+    const auto updated = update_here(now(), change, {.to = next(), .threads = 2, .way = way_});
     EXPECT_FALSE(updated);
     EXPECT_FALSE(fs::exists(next()));
     std::size_t left = 0;
@@ -101,6 +111,7 @@ class Update : public ::testing::Test {
   StoredCloud cloud_;  // what the result is of
   const test::TemporaryFolder folder_;
   std::size_t number_ = 0;
+  UpdateWay way_ = UpdateWay::exchange;
 };
 
 // Tile by tile the same as what is made of the points that are left; files of cells byte for byte.
@@ -164,6 +175,7 @@ TEST_P(UpdateOf, IsTheResultFromScratchAfterEachOfManyChanges) {
     }
     for (int k = 0; k < (step == 0 ? 1 : step == 1 ? 0 : 30) && unused < pool_.size(); ++k)
       add.push_back(pool_[unused++]);
+    way_ = step == 2 || step == 5 ? UpdateWay::anew : UpdateWay::exchange;
     const Updated updated = update(change(remove, add), 1 + static_cast<unsigned>(step) % 3);
     EXPECT_EQ(updated.removed, remove.size());
     EXPECT_LE(updated.begun, updated.awake);
@@ -395,6 +407,13 @@ TEST_F(Selection, HasThePointsOfABoxOrAClass) {
   EXPECT_TRUE(select({}).empty());
 }
 
+class UpdateBy : public Update, public ::testing::WithParamInterface<UpdateWay> {
+ protected:
+  UpdateBy() { way_ = GetParam(); }
+};
+INSTANTIATE_TEST_SUITE_P(Ways, UpdateBy, ::testing::Values(UpdateWay::exchange, UpdateWay::anew),
+                         [](const auto& info) { return info.param == UpdateWay::anew ? "Anew" : "Exchange"; });
+
 constexpr std::uint64_t seed = 5;
 const Case usual{"uniform", 3, 20, PartitionKind::kdtree, TileKind::cells};
 const Case planar{"uniform", 2, 20, PartitionKind::kdtree, TileKind::cells};
@@ -432,7 +451,7 @@ TEST_F(Update, OfAHoleWhereTilesMeetWakesTheTilesAroundItAlone) {
 TEST_F(Update, ThatIsDryWritesNothingAndTellsTheSame) {
   make(planar, 600, seed, true);
   const ResultChange wanted = change({cloud_.points[17].id, cloud_.points[18].id}, {{0.5, 0.5, 0}});
-  const auto dry = update_result(now(), wanted, {.threads = 2, .dry_run = true});
+  const auto dry = update_here(now(), wanted, {.threads = 2, .dry_run = true});
   ASSERT_TRUE(dry) << dry.error().where;
   EXPECT_FALSE(fs::exists(next()));
   const Updated updated = update(wanted);
@@ -440,6 +459,24 @@ TEST_F(Update, ThatIsDryWritesNothingAndTellsTheSame) {
   EXPECT_EQ(dry.value().begun, updated.begun);
   EXPECT_EQ(dry.value().awake, updated.awake);
   EXPECT_EQ(dry.value().written, updated.written);
+}
+
+// The same tiles as with much memory, where hardly two tiles fit, and those that wait are on disk.
+TEST_F(Update, WorksInLittleMemory) {
+  make({"lattice", 3, 30, PartitionKind::kdtree, TileKind::cells}, 3000, seed, true);
+  std::vector<PointId> remove;
+  for (const LocalPoint& p : cloud_.points) {
+    if (rng_() % 40 == 0) remove.push_back(p.id);
+  }
+  const ResultChange wanted = change(remove, {{0.4, 0.5, 0.3}, {-3, 0.2, 0.9}});
+  for (const UpdateWay way : {UpdateWay::exchange, UpdateWay::anew}) {
+    const auto updated = update_here(now(), wanted, {.to = next(), .threads = 2, .way = way}, {}, 1 << 20);
+    ASSERT_TRUE(updated) << updated.error().where;
+    if (way == UpdateWay::exchange) fs::remove_all(next());
+  }
+  apply(wanted);
+  ++number_;
+  expect_as_from_scratch();
 }
 
 TEST_F(Update, OfNothingLinksEverything) {
@@ -450,7 +487,7 @@ TEST_F(Update, OfNothingLinksEverything) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, TakesNewPointsAtOldPlacesAsDuplicates) {
+TEST_P(UpdateBy, TakesNewPointsAtOldPlacesAsDuplicates) {
   make(usual, 300, seed, false);
   const Point at = cloud_.points[40].at;
   const Updated updated = update(change({}, {at, {9, 9, 9}, at, {9, 9, 9}}));
@@ -469,7 +506,7 @@ TEST_F(Update, TakesNewPointsAtOldPlacesAsDuplicates) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, OfAResultWithoutTheAttributesOfDuplicatesRemovesAVertexTogetherWithItsDuplicatesAlone) {
+TEST_P(UpdateBy, OfAResultWithoutTheAttributesOfDuplicatesRemovesAVertexTogetherWithItsDuplicatesAlone) {
   make(usual, 300, seed, true);
   cloud_.points.push_back({cloud_.points[40].at, PointId{cloud_.points_read++}});
   cloud_.duplicate_rows = false;
@@ -485,7 +522,7 @@ TEST_F(Update, OfAResultWithoutTheAttributesOfDuplicatesRemovesAVertexTogetherWi
   EXPECT_EQ(manifest.duplicate_rows_xxh3, 0u);
 }
 
-TEST_F(Update, ReplacesAllPoints) {
+TEST_P(UpdateBy, ReplacesAllPoints) {
   make(usual, 300, seed, true);
   std::vector<PointId> all;
   for (const LocalPoint& p : cloud_.points) all.push_back(p.id);
@@ -494,7 +531,7 @@ TEST_F(Update, ReplacesAllPoints) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, TakesAPointFarOutsideAllBounds) {
+TEST_P(UpdateBy, TakesAPointFarOutsideAllBounds) {
   make(usual, 300, seed, true);
   update(change({}, {{1e9, -3e7, 2}}));
   expect_as_from_scratch();
@@ -502,7 +539,7 @@ TEST_F(Update, TakesAPointFarOutsideAllBounds) {
   expect_as_from_scratch();
 }
 
-TEST_F(Update, RefusesWhatCannotBeAndLeavesNothing) {
+TEST_P(UpdateBy, RefusesWhatCannotBeAndLeavesNothing) {
   make(usual, 300, seed, false);
   EXPECT_NE(refusal(change({PointId{1000}}, {})).find("there is no point 1000 to remove"), std::string::npos);
   EXPECT_NE(refusal(change({}, {{0, std::numeric_limits<double>::quiet_NaN(), 0}})).find("not finite"),
@@ -520,17 +557,18 @@ TEST_F(Update, RefusesWhatCannotBeAndLeavesNothing) {
 
 TEST_F(Update, RefusesAFolderThatExists) {
   make(usual, 100, seed, false);
-  const auto updated = update_result(now(), {}, {.to = now(), .threads = 1});
+  const auto updated = update_here(now(), {}, {.to = now(), .threads = 1});
   ASSERT_FALSE(updated);
   EXPECT_EQ(updated.error().code, Errc::usage);
   EXPECT_NE(updated.error().where.find("exists already"), std::string::npos);
 }
 
-TEST_F(Update, StopsWhenItIsAskedTo) {
+TEST_P(UpdateBy, StopsWhenItIsAskedTo) {
   make(usual, 100, seed, false);
   std::stop_source stop;
   stop.request_stop();
-  const auto updated = update_result(now(), change({PointId{3}}, {}), {.to = next(), .threads = 2}, stop.get_token());
+  const auto updated =
+      update_here(now(), change({PointId{3}}, {}), {.to = next(), .threads = 2, .way = way_}, stop.get_token());
   ASSERT_FALSE(updated);
   EXPECT_EQ(updated.error().code, Errc::interrupted) << updated.error().where;
   EXPECT_FALSE(fs::exists(next()));

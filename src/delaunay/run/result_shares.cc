@@ -43,6 +43,11 @@ std::vector<std::uint64_t> weights_of(const TileSource& source) {
   return weights;
 }
 
+Result<std::vector<std::uint64_t>> ResultStages::weights(const TileSource& source, const std::filesystem::path&,
+                                                         std::span<const std::byte>) const {
+  return weights_of(source);
+}
+
 std::uint64_t bytes_a_point(const ResultStages& stages, const TileSource& source) {
   std::uint64_t most = 1;
   for (std::size_t i = 0; i < source.tiles(); ++i)
@@ -72,7 +77,8 @@ Result<std::unique_ptr<Share>> ResultShares::open(const ShareSpec& spec, NodeId 
   BOOST_OUTCOME_TRY(source, TileSource::open(spec.out_folder));
   if (spec.table.stage >= stages->count())
     return error(Errc::internal, run.string() + ": does not have the stage that the job asks for");
-  auto weights = weights_of(source);
+  BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));
+  BOOST_OUTCOME_TRY(weights, stages->weights(source, run, plan));
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != weights.size())
     return error(Errc::internal, spec.out_folder + ": has another number of tiles than the job");
   const auto here = [&](TileId tile) {
@@ -85,7 +91,6 @@ Result<std::unique_ptr<Share>> ResultShares::open(const ShareSpec& spec, NodeId 
     const std::lock_guard lock(mutex_);
     if (const auto found = keepers_.find(spec.run_folder); found != keepers_.end()) share->keeper = found->second;
   }
-  BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));
   share->plan = std::move(plan);
   const std::uint64_t seal = seal_of_plan(share->plan);
   const bool many_nodes = spec.shares > 0;
@@ -98,16 +103,18 @@ Result<std::unique_ptr<Share>> ResultShares::open(const ShareSpec& spec, NodeId 
   }
   const auto own = many_nodes ? share->scratch : run;
   const std::uint64_t kept = kept_part(spec.memory_bytes);
-  BOOST_OUTCOME_TRY(programs, stages->programs({source.stopped_by(share->stopping.get_token()), run, own, share->plan,
-                                                seal, self, kept, share->stopping.get_token()}));
   ShareStage one;
   one.schedule.threads = spec.threads;
   const std::uint64_t others = kept + (many_nodes ? budget::outbox_bytes(spec.memory_bytes) : 0);
   one.schedule.memory_bytes = budget::for_tiles(spec.memory_bytes - others, spec.threads, tiles);
   one.schedule.begin_bytes = one.schedule.collect_bytes = bytes_a_point(*stages, source);
   one.schedule.mail_growth = 1.5;
+  stages->adjust(one.schedule, source);
   one.schedule.settle_asleep = one.context.many_nodes = many_nodes;
   one.context.mail_bytes_max = budget::mail_bytes_max(spec.memory_bytes, tiles);
+  BOOST_OUTCOME_TRY(programs,
+                    stages->programs({source.stopped_by(share->stopping.get_token()), run, own, share->plan, seal, self,
+                                      kept, share->stopping.get_token(), spec.threads, one.schedule.memory_bytes}));
   for (std::uint32_t stage = 0; stage < stages->count(); ++stage) {
     DiskScratch& storage = *share->storages.emplace_back(std::make_unique<DiskScratch>(
         DiskScratchOptions{stage_folder(run, stage), stage_folder(own, stage), seal, spec.lock_file, self}));

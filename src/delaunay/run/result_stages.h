@@ -27,6 +27,8 @@ struct ResultInput {
   NodeId node;
   std::uint64_t memory_bytes = 0;  // for tiles that stay in memory while no thread works on them
   std::stop_token stop;            // once requested, long work soon throws Stopped
+  std::uint32_t threads = 1;
+  std::uint64_t tile_bytes = 0;  // for the tiles of all stages, beside memory_bytes
 };
 
 // A kind of such jobs. Every process that works on these jobs has one. Thread-safe.
@@ -41,6 +43,11 @@ class ResultStages {
   virtual Result<std::vector<TileReceipt>> stored(const std::filesystem::path& run, std::uint32_t stage) const = 0;
   // Returns how many bytes tile number `i` of the source takes while it is worked on.
   virtual std::uint64_t work_bytes(const TileSource& source, std::size_t i) const = 0;
+  // Returns the number of points by tile, with 0 for tiles that take no part. `plan`: the bytes of plan_file(run).
+  virtual Result<std::vector<std::uint64_t>> weights(const TileSource& source, const std::filesystem::path& run,
+                                                     std::span<const std::byte> plan) const;
+  // Says in the schedule what is special about these jobs.
+  virtual void adjust(ScheduleOptions& /*schedule*/, const TileSource& /*source*/) const {}
 };
 using KindsOfStages = std::map<std::string, std::shared_ptr<const ResultStages>>;  // by ShareSpec::stages
 

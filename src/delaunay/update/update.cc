@@ -1,21 +1,30 @@
 #include "src/delaunay/update/update.h"
 
 #include <algorithm>
+#include <memory>
+#include <random>
+#include <set>
 #include <utility>
 
 #include "src/base/check.h"
-#include "src/base/files/folder.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
 #include "src/base/files/there.h"
+#include "src/base/files/update_names.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/flat_codec.h"
 #include "src/base/stopped.h"
 #include "src/base/too_large.h"
-#include "src/delaunay/run/touching.h"
-#include "src/delaunay/update/update_exchange.h"
+#include "src/delaunay/run/result_stages.h"
+#include "src/delaunay/run/run_folder.h"
+#include "src/delaunay/update/anew.h"
+#include "src/delaunay/update/update_folder.h"
 #include "src/delaunay/update/update_plan.h"
+#include "src/delaunay/update/update_stages.h"
 #include "src/delaunay/update/updated_result.h"
-#include "src/delaunay/update/woken_tile.h"
 #include "src/result/measure/made_again.h"
+#include "src/result/new_version.h"
 #include "src/result/tile_source.h"
 #include "src/tiling/partition.h"
 
@@ -35,32 +44,109 @@ Status check_points(const ResultChange& change, const Manifest& manifest) {
   return success();
 }
 
-// If one tile is flat at the end, all are (docs/updates-design.md).
-Status check_span(const TileSource& source, const UpdatedResult::Tiles& tiles) {
-  const bool flat =
-      std::any_of(tiles.begin(), tiles.end(), [](const auto& t) { return t.second->awake() && t.second->flat(); });
-  if (!flat) return success();
-  return error(Errc::usage, source.folder().string() + ": the points that would be left all lie " +
-                                (source.manifest().dimension == 3 ? "in a plane" : "on a line") +
-                                ", so they have no triangulation");
-}
-
-// Told bits save messages between tiles that touch.
-KnownFromStart known_from_start(const Partition& partition) {
-  std::vector<Bounds> bounds(partition.tiles());
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    bounds[i].add(partition.boxes()[i].lo);
-    bounds[i].add(partition.boxes()[i].hi);
+std::string checksum_of_tiles(const Manifest& manifest) {
+  FlatWriter all;
+  for (const TileEntry& tile : manifest.tiles) {
+    all.value(tile.tile.value);
+    all.value(tile.own_points);
+    all.value(tile.xxh3);
   }
-  const auto neighbours = touching_tiles(partition, bounds);
-  KnownFromStart around(std::move(bounds), neighbours, std::vector<Seed>{});
-  around.leave_out_fresh_bit();
-  return around;
+  return checksum_text(checksum(all.take()));
 }
 
-// What is changed. A result that is itself changed is locked.
-struct Target {
+// What a change is made of, once all is checked. A result that is itself changed is locked.
+struct Wanted {
   std::unique_ptr<NewVersion> version;  // null for a new folder, and in a dry run
+  TileSource source;                    // without columns
+  Partition partition;
+  UpdatePlan plan;
+  bool anew = false;
+};
+
+// The tiles of new points and of removed points have fresh points, nearly always; the tiles beside them may have some.
+bool most_tiles_begin(const TileSource& source, const UpdatePlan& plan) {
+  std::set<TileId> begin = plan.losing;
+  for (const auto& [tile, points] : plan.added) begin.insert(tile);
+  return source.tiles() > 1 && begin.size() * 2 > source.tiles();
+}
+
+// Makes sure that the run has its plan: that of an earlier process, or a new one.
+Status begin_run(const fs::path& run, const Wanted& wanted, const UpdateOptions& options, const std::stop_token& stop) {
+  const Manifest& manifest = wanted.source.manifest();
+  const auto change = bytes_of(wanted.plan);
+  UpdateJob job{.result = manifest.digest ? digest_text(*manifest.digest) : "",
+                .tiles = checksum_of_tiles(manifest),
+                .change = checksum_text(checksum(change)),
+                .added = {},
+                .writes = !options.dry_run,
+                .anew = {},
+                .number = std::uint64_t{std::random_device()()} << 32u | std::random_device()()};
+  for (const auto& [tile, points] : wanted.plan.added) job.added[tile] = points.size();
+  const fs::path file = plan_file(run);
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (options.resume && there) {
+    BOOST_OUTCOME_TRY(bytes, read_whole(file));
+    BOOST_OUTCOME_TRY(earlier, read_update_job(bytes, file.string()));
+    job.number = earlier.number;
+    job.anew = earlier.anew;
+    if (wanted.anew != earlier.anew.empty() && to_json(job) == as_text(bytes)) return success();
+    return error(Errc::usage, run.string() + ": cannot be resumed: the unfinished run was started with " +
+                                  (job.result != earlier.result || job.tiles != earlier.tiles ? "another result"
+                                                                                              : "another change"));
+  }
+  if (wanted.anew) {
+    BOOST_OUTCOME_TRY(
+        start, find_anew_start(wanted.source, wanted.partition, wanted.plan, std::max(options.threads, 1u), stop));
+    const auto bytes = bytes_of(start);
+    job.anew = checksum_text(checksum(bytes));
+    BOOST_OUTCOME_TRYV(write_whole(update_anew_file(run), bytes));
+  }
+  BOOST_OUTCOME_TRYV(write_whole(update_change_file(run), change));
+  return write_whole(file, to_json(job));
+}
+
+// When all tiles are triangulated, those without points leave nothing.
+void add_emptied(const TileSource& source, UpdatedResult::Ends& ends) {
+  for (const TileEntry& entry : source.manifest().tiles) {
+    TileEnd& end = ends[entry.tile];
+    end.changed = end.lost = true;
+    end.removed_bounds = source.manifest().bounds;  // so that all bounds are those of the tiles' vertices
+  }
+}
+
+Result<UpdatedResult::Ends> gather(const fs::path& run, const Wanted& wanted) {
+  BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));
+  const std::uint64_t seal = seal_of_plan(plan);
+  BOOST_OUTCOME_TRY(tiles, tiles_in(update_ends_folder(run)));
+  UpdatedResult::Ends ends;
+  for (const TileId tile : tiles) {
+    BOOST_OUTCOME_TRY(end, read_end(run, seal, tile));
+    ends[tile] = std::move(end);
+  }
+  if (wanted.anew) add_emptied(wanted.source, ends);
+  return ends;
+}
+
+Updated counted(const UpdatedResult::Ends& ends, const Wanted& wanted) {
+  Updated updated{.first_new = wanted.plan.first_new,
+                  .removed = wanted.plan.removed_points,
+                  .duplicates = wanted.plan.new_equal,
+                  .anew = wanted.anew};
+  for (const auto& [tile, end] : ends) {
+    updated.begun += end.begun ? 1 : 0;
+    updated.awake += end.awake ? 1 : 0;
+    updated.duplicates += end.duplicates.size();
+    updated.written += end.awake && end.changed ? 1 : 0;
+    updated.exchange += end.counts;
+    const auto old = wanted.source.find(tile);
+    if (end.changed && old) updated.old_bytes += wanted.source.entry(*old).bytes;
+    if (end.awake && old) updated.old_points += wanted.source.entry(*old).own_points;
+  }
+  return updated;
+}
+
+struct Target {
+  std::unique_ptr<NewVersion> version;
   TileSource source;
 };
 
@@ -74,68 +160,88 @@ Result<Target> open_target(const fs::path& result, const UpdateOptions& options)
   return Target{std::move(version), source};
 }
 
-// Both return the manifest of the new result.
-Result<Manifest> write_folder(const UpdateSetting& setting, UpdatedResult::Tiles& tiles, const ResultChange& change,
-                              const UpdateOptions& options) {
-  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(options.to)));
-  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));
-  UpdatedResult next(setting, tiles, folder.path());
-  BOOST_OUTCOME_TRYV(next.write_changed(options.threads));
-  BOOST_OUTCOME_TRYV(next.link_others());
-  BOOST_OUTCOME_TRYV(next.finish(change, options));
-  BOOST_OUTCOME_TRYV(rename_file(folder.path(), options.to));
-  folder.keep();
-  return next.manifest();
-}
-
-Result<Manifest> write_version(const UpdateSetting& setting, UpdatedResult::Tiles& tiles, NewVersion& version,
-                               const ResultChange& change, const UpdateOptions& options) {
-  UpdatedResult next(setting, tiles, version.scratch());
-  BOOST_OUTCOME_TRYV(next.write_changed(options.threads));
-  BOOST_OUTCOME_TRYV(next.commit(version, change, options));
-  return version.manifest();
-}
-
-Result<Updated> update(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
-                       const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(target, open_target(result, options));
-  const TileSource source = target.source.without_columns().stopped_by(stop);
-  if (change.chosen_from != 0 && change.chosen_from != source.manifest().version)
+// `source`: with the columns of the result.
+Status check_target(const fs::path& result, const TileSource& source, const ResultChange& change,
+                    const UpdateOptions& options) {
+  const Manifest& manifest = source.manifest();
+  if (change.chosen_from != 0 && change.chosen_from != manifest.version)
     return error(Errc::usage, result.string() +
-                                  ": another program has changed the result meanwhile; run the command "
-                                  "again, so that points are chosen from the present version");
+                                  ": another program has changed the result meanwhile; run the command again, so that "
+                                  "points are chosen from the present version");
   if (!options.dry_run && !options.to.empty()) {
-    if (options.to.empty()) return error(Errc::usage, result.string() + ": no folder for the new result is given");
     BOOST_OUTCOME_TRY(there, is_there(options.to));
     if (there) return error(Errc::usage, options.to.string() + ": exists already");
   }
-  BOOST_OUTCOME_TRYV(check_changeable(result, target.source.manifest()));
-  if (!options.to.empty() && !target.source.manifest().columns.empty())
-    return error(Errc::usage, result.string() + ": has the computed column '" +
-                                  target.source.manifest().columns[0].name +
+  BOOST_OUTCOME_TRYV(check_changeable(result, manifest));
+  if (!options.to.empty() && !manifest.columns.empty())
+    return error(Errc::usage, result.string() + ": has the computed column '" + manifest.columns[0].name +
                                   "', which only a change of the result itself makes again, not one into a new folder");
+  return success();
+}
+
+Result<Wanted> plan_change(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
+                           const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(target, open_target(result, options));
+  BOOST_OUTCOME_TRYV(check_target(result, target.source, change, options));
+  TileSource source = target.source.without_columns().stopped_by(stop);
   BOOST_OUTCOME_TRYV(check_points(change, source.manifest()));
   BOOST_OUTCOME_TRY(partition, Partition::from_json(source.manifest().partition));
-  BOOST_OUTCOME_TRY(plan, plan_update(source, partition, change));
-  if (plan.removed.size() == source.manifest().vertices && plan.heirs.empty() && plan.added.empty())
-    return error(Errc::usage, result.string() + ": no points would be left");
-  const KnownFromStart around = known_from_start(partition);
-  const UpdateSetting setting{source, plan, around, change.rows, stop};
+  BOOST_OUTCOME_TRY(plan, plan_update(source, partition, change, options.threads));
+  if (!plan.common) return error(Errc::usage, result.string() + ": no points would be left");
+  const bool anew =
+      options.way == UpdateWay::anew || (options.way == UpdateWay::cheapest && most_tiles_begin(source, plan));
+  return Wanted{std::move(target.version), std::move(source), std::move(partition), std::move(plan), anew};
+}
 
-  UpdateExchange exchange(setting, options.threads);
-  BOOST_OUTCOME_TRYV(exchange.run());
-  Updated updated{.first_new = plan.first_new, .removed = plan.removed_points, .duplicates = plan.new_equal};
-  for (const auto& [id, tile] : exchange.tiles()) {
-    updated.begun += tile->begins() ? 1 : 0;
-    updated.awake += tile->awake() ? 1 : 0;
-    updated.duplicates += tile->duplicates().size();
-    updated.written += tile->awake() && tile->changed() ? 1 : 0;
-    updated.exchange += tile->counts();
+const char* kind_of(const Wanted& wanted) {
+  return wanted.anew || wanted.plan.removed.empty() ? kind_of_update : kind_of_update_with_holes;
+}
+
+Result<Updated> try_update(const Wanted& wanted, const UpdateOptions& options, StagesRunner& runner,
+                           const std::stop_token& stop) {
+  if (wanted.anew) {
+    Updated updated = counted({}, wanted);
+    updated.begun = updated.awake = updated.written = wanted.source.tiles();
+    updated.old_points = wanted.source.manifest().vertices;
+    for (const TileEntry& entry : wanted.source.manifest().tiles) updated.old_bytes += entry.bytes;
+    return updated;
   }
-  BOOST_OUTCOME_TRYV(check_span(source, exchange.tiles()));
-  if (options.dry_run) return updated;
-  BOOST_OUTCOME_TRY(made, target.version ? write_version(setting, exchange.tiles(), *target.version, change, options)
-                                         : write_folder(setting, exchange.tiles(), change, options));
+  BOOST_OUTCOME_TRY(run, TemporaryFolder::make());
+  BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
+  BOOST_OUTCOME_TRYV(runner.run(kind_of(wanted), wanted.source.folder(), run.path(), {}, options.progress, stop));
+  BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
+  return counted(ends, wanted);
+}
+
+// Returns the manifest of the new result.
+Result<Manifest> store(const fs::path& run, const Wanted& wanted, const UpdatedResult::Ends& ends,
+                       const ResultChange& change, const UpdateOptions& options, const std::stop_token& stop) {
+  const fs::path made = update_result_folder(run);
+  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(made)));
+  UpdatedResult next({wanted.source, wanted.plan, ends, change, options}, made, stop);
+  if (wanted.version) {
+    BOOST_OUTCOME_TRYV(next.commit(*wanted.version));
+    return wanted.version->manifest();
+  }
+  BOOST_OUTCOME_TRYV(next.link_others());
+  BOOST_OUTCOME_TRYV(next.finish());
+  BOOST_OUTCOME_TRYV(rename_file(made, options.to));
+  return next.manifest();
+}
+
+Result<Updated> update(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
+                       StagesRunner& runner, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(wanted, plan_change(result, change, options, stop));
+  if (options.dry_run) return try_update(wanted, options, runner, stop);
+  const fs::path run_path = update_run_folder(options.to.empty() ? result : options.to);
+  BOOST_OUTCOME_TRY(run, RunFolder::claim(run_path, "the new result", options.resume, options.lock));
+  BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
+  BOOST_OUTCOME_TRYV(
+      runner.run(kind_of(wanted), wanted.source.folder(), run.path(), run.lock_file(), options.progress, stop));
+  BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
+  Updated updated = counted(ends, wanted);
+  BOOST_OUTCOME_TRY(made, store(run.path(), wanted, ends, change, options, stop));
+  run.done();
   updated.vertices = made.vertices;
   updated.cells = made.cells;
   updated.tiles = made.tiles.size();
@@ -167,9 +273,9 @@ Status check_changeable(const fs::path& result, const Manifest& manifest) {
 }
 
 Result<Updated> update_result(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
-                              std::stop_token stop) {
+                              StagesRunner& runner, std::stop_token stop) {
   try {
-    return update(result, change, options, stop);
+    return update(result, change, options, runner, stop);
   } catch (const Stopped&) {
     return error(Errc::interrupted, "interrupted while " + result.string() + " was changed");
   } catch (const TileTooLarge& e) {

@@ -6,14 +6,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "src/base/figures.h"
+#include "src/base/files/folder_lock.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/delaunay/run/stages_runner.h"
 #include "src/result/new_version.h"
 #include "src/result/store/digest.h"
 #include "src/result/store/tile_store.h"
@@ -29,12 +32,24 @@ struct ResultChange {
   std::uint32_t chosen_from = 0;
 };
 
+// How the cells of a changed result are found (docs/updates-design.md). The result is the same.
+enum class UpdateWay : std::uint8_t {
+  cheapest,  // exchange, unless most tiles have fresh points
+  exchange,  // tiles with fresh points begin, and wake those whose cells may change
+  anew       // all tiles are triangulated as in a first triangulation
+};
+
 struct UpdateOptions {
   // The folder of the new result, which must not exist. Empty: the result itself gets a new version.
   std::filesystem::path to = {};
   VersionOptions version = {};  // of a change of the result itself
-  unsigned threads = 1;
-  bool dry_run = false;                   // write nothing, and only find out what would change
+  unsigned threads = 1;         // that read source indices
+  // Whether to continue what an earlier process has begun, and to leave what is done when this process is interrupted.
+  bool resume = false;
+  LockOptions lock = {};
+  std::function<void(double)> progress = {};  // is told how much is done, from 0 to 1
+  UpdateWay way = UpdateWay::cheapest;
+  bool dry_run = false;                   // only find out what would change
   std::vector<std::string> command = {};  // for the manifest
   std::string software_version = {};      // for the manifest
   // Of the new points, for the manifest. Their source indices count from 0, the first new point.
@@ -49,6 +64,10 @@ struct Updated {
   std::uint32_t version = 1;                         // of the new result
   // Tiles that had fresh points; that were triangulated; and of these, those that have changed.
   std::uint64_t begun = 0, awake = 0, written = 0;
+  bool anew = false;  // all tiles were triangulated
+  // As the result was: own points of the tiles that were triangulated, and the bytes of the files of those that have
+  // changed.
+  std::uint64_t old_points = 0, old_bytes = 0;
   ExchangeCounts exchange = {};
   std::optional<Digest> digest = {};  // of the new result
 };
@@ -58,11 +77,14 @@ Status check_changeable(const std::filesystem::path& result, const Manifest& man
 
 // Makes the new result. In a new folder, tiles that have not changed are hard links to the old files, and the old
 // result stays as it is. Otherwise the result gets a new version: whoever reads the result keeps the version that he
-// has opened, and an end of this process at any moment leaves the old version or the new one. Errors: usage when the
-// result cannot be changed in this way, when a point to be removed does not exist, when the points that are left do not
-// span space, when the folder exists, when another process changes the result, or has changed the result since points
-// were chosen; those of TileSource; interrupted. After an error the folder does not exist, or the old version stands.
+// has opened, and an end of this process at any moment leaves the old version or the new one. What is made is in the
+// run folder update_run_folder() until it is whole. `runner` runs jobs of the kind kind_of_update.
+// Errors: usage when the result cannot be changed in this way, when a point to be removed does not exist, when the
+// points that are left do not span space, when the folder exists, when another process changes the result, or has
+// changed it since points were chosen, or when what an earlier process has begun is another change; those of TileSource
+// and of the runner; interrupted. After an error the folder does not exist, or the old version stands, and the run
+// folder is gone unless `resume` is set.
 Result<Updated> update_result(const std::filesystem::path& result, const ResultChange& change,
-                              const UpdateOptions& options, std::stop_token stop = {});
+                              const UpdateOptions& options, StagesRunner& runner, std::stop_token stop = {});
 
 }  // namespace tessera

@@ -3,19 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstring>
 #include <limits>
-#include <numeric>
-#include <string>
 #include <utility>
 
 #include "src/base/files/whole_file.h"
-#include "src/base/on_threads.h"
 #include "src/base/stopped.h"
-#include "src/result/store/digest.h"
-#include "src/result/store/points_tile.h"
-#include "src/tiling/hilbert.h"
+#include "src/delaunay/update/changed_columns.h"
 
 namespace tessera {
 
@@ -25,8 +18,9 @@ namespace {
 
 constexpr std::uint64_t rows_bytes = std::uint64_t{64} << 20;  // for sorting the attributes of duplicates
 
-// Makes a hard link, or a copy where the file system has no hard links.
+// Makes a hard link, or a copy where the file system has no hard links. An earlier process may have made one.
 Status link_or_copy(const fs::path& from, const fs::path& to) {
+  BOOST_OUTCOME_TRYV(remove_file(to));
   if (::link(from.c_str(), to.c_str()) == 0) return success();
   BOOST_OUTCOME_TRY(bytes, read_whole(from));
   return write_whole(to, bytes);
@@ -70,140 +64,53 @@ bool may_widen(const Box& box, const Bounds& old, const Bounds& known, int dimen
 
 }  // namespace
 
-// A tile without a file gets one like the others.
-TileKind UpdatedResult::kind_of(TileId tile) const {
-  if (const auto index = setting_.source.find(tile)) return setting_.source.entry(*index).kind;
-  const auto& all = setting_.source.manifest().tiles;
-  const bool points = std::all_of(all.begin(), all.end(), [](const auto& e) { return e.kind == TileKind::points; });
-  return points ? TileKind::points : TileKind::cells;
-}
-
-// A foreign vertex that is new to a tile is a vertex of changed cells, so its owner was awake.
-Result<std::vector<std::byte>> UpdatedResult::rows_of(const TileMesh& mesh, TileId tile) const {
-  const std::size_t width = row_bytes(setting_.source.manifest().schema);
-  std::vector<std::byte> rows(mesh.ids.size() * width);
-  for (std::size_t v = 0; v < mesh.ids.size() && width > 0; ++v) {
-    auto row = tiles_.at(tile)->row(mesh.ids[v]);
-    const auto owner = tiles_.find(mesh.owners[v]);
-    if (!row && owner != tiles_.end()) row = owner->second->row(mesh.ids[v]);
-    if (!row) return error(Errc::internal, "the attributes of point " + to_string(mesh.ids[v]) + " are not known");
-    std::memcpy(&rows[v * width], row->data(), width);
-  }
-  return rows;
-}
-
-Result<TileEntry> UpdatedResult::write_as_points(TileId tile, const TileMesh& mesh,
-                                                 const std::vector<std::byte>& rows) {
-  const Manifest& manifest = setting_.source.manifest();
-  const auto own = static_cast<std::size_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
-  Bounds bounds;
-  for (std::size_t v = own; v < mesh.points.size(); ++v) bounds.add(mesh.points[v]);
-  const HilbertKey key(bounds, manifest.dimension);
-  std::vector<std::size_t> order(mesh.points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin() + static_cast<std::ptrdiff_t>(own), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(key(mesh.points[a]), mesh.ids[a]) < std::pair(key(mesh.points[b]), mesh.ids[b]);
-  });
-  std::vector<Point> points;
-  std::vector<PointId> ids;
-  std::vector<TileId> owners;
-  std::vector<std::byte> ordered(rows.size());
-  const std::size_t width = row_bytes(manifest.schema);
-  for (const std::size_t v : order) {
-    if (width > 0) std::memcpy(&ordered[points.size() * width], &rows[v * width], width);
-    points.push_back(mesh.points[v]);
-    ids.push_back(mesh.ids[v]);
-    owners.push_back(mesh.owners[v]);
-  }
-  CountedCells counted;
-  counted.cells = mesh.cell_ghost.size();
-  counted.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
-  counted.digest = CellDigest(manifest.dimension, mesh.ids).of(mesh.cells, mesh.cell_ghost.data());
-  return write_points_tile(folder_,
-                           {.dimension = manifest.dimension,
-                            .tile = tile,
-                            .own = own,
-                            .points = points,
-                            .ids = ids,
-                            .owners = owners,
-                            .schema = manifest.schema,
-                            .rows = ordered},
-                           counted, {.schema = manifest.schema, .stop = setting_.stop});
-}
-
-Status UpdatedResult::write(TileId tile, WokenTile& woken) {
-  throw_if_stopped(setting_.stop);
-  const Manifest& manifest = setting_.source.manifest();
-  const TileMesh mesh = woken.collect();
-  BOOST_OUTCOME_TRY(rows, rows_of(mesh, tile));
-  const StoreOptions options{.neighbors = manifest.neighbors, .schema = manifest.schema, .stop = setting_.stop};
-  BOOST_OUTCOME_TRY(entry, kind_of(tile) == TileKind::points ? write_as_points(tile, mesh, rows)
-                                                             : write_tile(folder_, tile, mesh, rows, options));
-  const std::lock_guard lock(mutex_);
-  written_[tile] = entry;
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    if (mesh.point_ghost[v] == 0) written_bounds_.add(mesh.points[v]);
-  }
-  return success();
-}
-
-Status UpdatedResult::write_changed(unsigned threads) {
-  std::vector<TileId> changed;
-  for (const auto& [id, tile] : tiles_) {
-    if (tile->awake() && tile->changed()) changed.push_back(id);
-  }
-  std::atomic<bool> failed{false};
-  std::atomic<std::size_t> next{0};
-  return on_threads(threads, failed, [&]() -> Status {
-    for (std::size_t i = next++; i < changed.size() && !failed; i = next++) {
-      BOOST_OUTCOME_TRYV(write(changed[i], *tiles_.at(changed[i])));
-    }
-    return success();
-  });
-}
-
-// A tile that has lost all its points, or whose cells were written anew.
-bool UpdatedResult::is_gone(TileId tile) const {
-  const auto woken = tiles_.find(tile);
-  return written_.contains(tile) || (woken != tiles_.end() && woken->second->lost());
-}
-
 Status UpdatedResult::link_others() {
-  manifest_ = setting_.source.manifest();
+  manifest_ = source_.manifest();
   manifest_.tiles.clear();
-  for (std::size_t i = 0; i < setting_.source.tiles(); ++i) {
-    TileEntry entry = setting_.source.entry(i);
-    if (is_gone(entry.tile)) continue;
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    TileEntry entry = source_.entry(i);
+    if (is_other(entry.tile)) continue;
     entry.version = 1;
-    BOOST_OUTCOME_TRYV(link_or_copy(setting_.source.file(i), tile_file(folder_, entry)));
+    BOOST_OUTCOME_TRYV(link_or_copy(source_.file(i), tile_file(folder_, entry)));
     manifest_.tiles.push_back(entry);
   }
-  for (const auto& [tile, entry] : written_) manifest_.tiles.push_back(entry);
+  for (const auto& [tile, end] : ends_) {
+    if (end.entry) manifest_.tiles.push_back(*end.entry);
+  }
+  std::sort(manifest_.tiles.begin(), manifest_.tiles.end(),
+            [](const TileEntry& a, const TileEntry& b) { return a.tile < b.tile; });
   return success();
+}
+
+bool UpdatedResult::is_other(TileId tile) const {
+  const auto end = ends_.find(tile);
+  return end != ends_.end() && end->second.changed;
 }
 
 // The bounds can only shrink when a vertex goes that lies on them. Then tiles are read whose boxes reach beyond what is
 // known of the bounds, the outermost first: mostly those along one side.
 Result<Bounds> UpdatedResult::bounds() const {
-  const TileSource& source = setting_.source;
-  const Manifest& old = source.manifest();
-  Bounds removed;
-  for (const auto& [id, tile] : tiles_) removed.add(tile->removed_bounds());
-  Bounds known = known_bounds(written_bounds_, removed, old.bounds, old.dimension);
+  const Manifest& old = source_.manifest();
+  Bounds written, removed;
+  for (const auto& [tile, end] : ends_) {
+    written.add(end.bounds);
+    removed.add(end.removed_bounds);
+  }
+  Bounds known = known_bounds(written, removed, old.bounds, old.dimension);
   if (!touches(removed, old.bounds, old.dimension)) return known;
   const auto box_of = [&](std::size_t i) {
-    const std::size_t tile = source.entry(i).tile.value;
+    const std::size_t tile = source_.entry(i).tile.value;
     return tile < old.boxes.size() ? old.boxes[tile] : Box{};
   };
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < source.tiles(); ++i) {
-    if (!is_gone(source.entry(i).tile)) order.emplace_back(depth_in(box_of(i), old.bounds, old.dimension), i);
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    if (!is_other(source_.entry(i).tile)) order.emplace_back(depth_in(box_of(i), old.bounds, old.dimension), i);
   }
   std::sort(order.begin(), order.end());
   for (const auto& [depth, i] : order) {
     if (!may_widen(box_of(i), old.bounds, known, old.dimension)) continue;
-    throw_if_stopped(setting_.stop);
-    BOOST_OUTCOME_TRY(stored, source.read(i, {.cells = false}));
+    throw_if_stopped(stop_);
+    BOOST_OUTCOME_TRY(stored, source_.read(i, {.cells = false}));
     for (std::size_t v = 0; v < stored.mesh.points.size(); ++v) {
       if (stored.mesh.point_ghost[v] == 0) known.add(stored.mesh.points[v]);
     }
@@ -212,77 +119,116 @@ Result<Bounds> UpdatedResult::bounds() const {
 }
 
 // Removed points count as filtered: they were read, and no vertex stands for them.
-void UpdatedResult::describe(Manifest& manifest, const ResultChange& change, const UpdateOptions& options) const {
-  if (!options.command.empty()) manifest.command = options.command;
-  if (!options.software_version.empty()) manifest.software_version = options.software_version;
-  manifest.inputs.insert(manifest.inputs.end(), options.inputs.begin(), options.inputs.end());
-  manifest.points_read += change.add.size();
-  manifest.filtered += setting_.plan.removed_points;
+void UpdatedResult::describe(Manifest& manifest) const {
+  if (!options_.command.empty()) manifest.command = options_.command;
+  if (!options_.software_version.empty()) manifest.software_version = options_.software_version;
+  const auto added = inputs();
+  manifest.inputs.insert(manifest.inputs.end(), added.begin(), added.end());
+  manifest.points_read += change_.add.size();
+  manifest.filtered += plan_.removed_points;
   manifest.seconds.clear();
   manifest.figures.clear();
-  if (duplicates_changed()) manifest.other_heights.reset();  // results do not keep the heights of duplicates
+  if (duplicates_changed()) manifest.other_heights.reset();  // they are not counted again
+}
+
+std::vector<Manifest::Input> UpdatedResult::inputs() const {
+  std::vector<Manifest::Input> inputs = options_.inputs;
+  for (Manifest::Input& input : inputs) {
+    if (input.ids) input.ids->first += plan_.first_new;
+  }
+  return inputs;
 }
 
 bool UpdatedResult::duplicates_changed() const {
-  return setting_.plan.duplicates_changed ||
-         std::any_of(tiles_.begin(), tiles_.end(), [](const auto& tile) { return !tile.second->duplicates().empty(); });
+  return plan_.duplicates_changed ||
+         std::any_of(ends_.begin(), ends_.end(), [](const auto& tile) { return !tile.second.duplicates.empty(); });
 }
 
 std::vector<DuplicatePair> UpdatedResult::duplicates() const {
-  std::vector<DuplicatePair> duplicates = setting_.plan.duplicates;
-  for (const auto& [id, tile] : tiles_)
-    duplicates.insert(duplicates.end(), tile->duplicates().begin(), tile->duplicates().end());
+  std::vector<DuplicatePair> duplicates = plan_.duplicates;
+  for (const auto& [tile, end] : ends_) {
+    duplicates.insert(duplicates.end(), end.duplicates.begin(), end.duplicates.end());
+  }
   std::sort(duplicates.begin(), duplicates.end());
   return duplicates;
 }
 
-Status UpdatedResult::finish(const ResultChange& change, const UpdateOptions& options) {
+// A result of older software may lack the attributes of some of the duplicates. Then the new one has none of them.
+Status UpdatedResult::sort_rows(std::span<const DuplicatePair> duplicates,
+                                std::optional<DuplicateRowSort>& rows) const {
+  const std::size_t width = row_bytes(source_.manifest().schema);
+  if (width == 0) return success();
+  rows.emplace(folder_, rows_bytes, width, stop_);
+  for (const DuplicatePair& pair : duplicates) {
+    const std::uint64_t id = pair.duplicate.value, first_new = plan_.first_new;
+    const auto row = id >= first_new ? std::optional(std::span(change_.rows).subspan((id - first_new) * width, width))
+                                     : plan_.old.row(pair.duplicate);
+    if (!row) {
+      rows.reset();
+      return success();
+    }
+    BOOST_OUTCOME_TRYV(rows->push(pair.duplicate, *row));
+  }
+  return success();
+}
+
+Status UpdatedResult::finish() {
   BOOST_OUTCOME_TRY(box, bounds());
   manifest_.bounds = box;
   manifest_.version = 1;
   manifest_.previous_master_xxh3.reset();
-  describe(manifest_, change, options);
+  describe(manifest_);
   manifest_.vertices = manifest_.cells = 0;
   for (const TileEntry& entry : manifest_.tiles) {
     manifest_.vertices += entry.own_points;
     manifest_.cells += entry.main_cells;
   }
-  return finish_store(folder_, manifest_, duplicates());
+  const auto pairs = duplicates();
+  std::optional<DuplicateRowSort> rows;
+  BOOST_OUTCOME_TRYV(sort_rows(pairs, rows));
+  return finish_store(folder_, manifest_, pairs, rows ? &*rows : nullptr);
 }
 
 // With the columns of the result, if it has any.
-Result<std::vector<FinishedTile>> UpdatedResult::finished_tiles(const NewVersion& version, unsigned threads) const {
+Result<std::vector<FinishedTile>> UpdatedResult::finished_tiles(const NewVersion& version) const {
+  std::map<TileId, TileEntry> written;
+  for (const auto& [tile, end] : ends_) {
+    if (end.entry) written[tile] = *end.entry;
+  }
   if (!version.source().manifest().columns.empty())
-    return ChangedColumns(version.source(), folder_, written_, setting_.stop).make(threads);
+    return ChangedColumns(version.source(), folder_, written, stop_).make(options_.threads);
   std::vector<FinishedTile> finished;
-  for (const auto& [tile, entry] : written_) finished.push_back({entry, tile_file(folder_, entry)});
+  for (const auto& [tile, entry] : written) finished.push_back({entry, tile_file(folder_, entry)});
   return finished;
 }
 
-Status UpdatedResult::commit(NewVersion& version, const ResultChange& change, const UpdateOptions& options) {
+Status UpdatedResult::commit(NewVersion& version) {
   BOOST_OUTCOME_TRY(box, bounds());
   Manifest& manifest = version.manifest();
   manifest.format_version = updated_format;
   manifest.bounds = box;
-  describe(manifest, change, options);
-  for (std::size_t i = 0; i < setting_.source.tiles(); ++i) {
-    const TileId tile = setting_.source.entry(i).tile;
-    if (is_gone(tile) && !written_.contains(tile)) version.remove_tile(i);
+  describe(manifest);
+  for (std::size_t i = 0; i < source_.tiles(); ++i) {
+    const auto end = ends_.find(source_.entry(i).tile);
+    if (end != ends_.end() && end->second.changed && !end->second.entry) version.remove_tile(i);
   }
-  BOOST_OUTCOME_TRY(finished, finished_tiles(version, options.threads));
+  BOOST_OUTCOME_TRY(finished, finished_tiles(version));
   for (const auto& [entry, file] : finished) {
-    const auto index = setting_.source.find(entry.tile);
+    const auto index = source_.find(entry.tile);
     BOOST_OUTCOME_TRYV(index ? version.replace_tile(*index, entry, file) : version.add_tile(entry, file));
   }
   for (ResultColumn& column : manifest.columns) column.total.reset();  // which only a pass over all tiles tells
   if (duplicates_changed()) {
-    BOOST_OUTCOME_TRYV(version.replace_duplicates(duplicates()));
+    const auto pairs = duplicates();
+    std::optional<DuplicateRowSort> rows;
+    BOOST_OUTCOME_TRYV(sort_rows(pairs, rows));
+    BOOST_OUTCOME_TRYV(version.replace_duplicates(pairs, rows ? &*rows : nullptr));
   }
-  return version.commit({}, {.added = change.add.size(),
-                             .removed = setting_.plan.removed_points,
-                             .inputs = options.inputs,
-                             .command = options.command,
-                             .software_version = options.software_version});
+  return version.commit({}, {.added = change_.add.size(),
+                             .removed = plan_.removed_points,
+                             .inputs = inputs(),
+                             .command = options_.command,
+                             .software_version = options_.software_version});
 }
 
 }  // namespace tessera

@@ -1,19 +1,20 @@
-// The folder of a changed result: files of the tiles that have changed, links to the others, and the manifest.
+// The new result of a change: files of the tiles that have changed, the files of the others as they are, and the
+// manifest.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
+#include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "src/base/result.h"
 #include "src/delaunay/update/changed_columns.h"
+#include "src/delaunay/update/changed_tile.h"
 #include "src/delaunay/update/update.h"
-#include "src/delaunay/update/woken_tile.h"
+#include "src/delaunay/update/update_plan.h"
 #include "src/result/new_version.h"
 #include "src/result/store/duplicate_rows.h"
 
@@ -21,41 +22,52 @@ namespace tessera {
 
 class UpdatedResult {
  public:
-  using Tiles = std::map<TileId, std::unique_ptr<WokenTile>>;
-  // `tiles`: those that were read, after the exchange. `folder`: empty.
-  UpdatedResult(const UpdateSetting& setting, Tiles& tiles, std::filesystem::path folder)
-      : setting_(setting), tiles_(tiles), folder_(std::move(folder)) {}
+  using Ends = std::map<TileId, TileEnd>;
+  // What the change is made of.
+  struct Made {
+    const TileSource& source;  // without columns
+    const UpdatePlan& plan;
+    const Ends& ends;  // what the tiles have become that the change has concerned
+    const ResultChange& change;
+    const UpdateOptions& options;
+  };
+  // `folder`: has the files of the tiles that have changed. What `made` refers to outlives this object.
+  UpdatedResult(const Made& made, std::filesystem::path folder, std::stop_token stop)
+      : source_(made.source),
+        plan_(made.plan),
+        ends_(made.ends),
+        change_(made.change),
+        options_(made.options),
+        folder_(std::move(folder)),
+        stop_(std::move(stop)) {}
 
-  // Writes the tiles that have changed. REQUIRES: none of them is flat.
-  Status write_changed(unsigned threads);
+  // Makes the folder a whole result: first links of the other tiles' files, then what belongs to no tile, the manifest
+  // last.
   Status link_others();
-  // Writes what belongs to no tile, the manifest last.
-  Status finish(const ResultChange& change, const UpdateOptions& options);
-  // Instead of the last two: makes what was written the new version of the result. REQUIRES: `folder` is the scratch
-  // folder of the version.
-  Status commit(NewVersion& version, const ResultChange& change, const UpdateOptions& options);
+  Status finish();
+  // Instead of both: makes what was written the new version of the result. REQUIRES: `folder` is in the same file
+  // system.
+  Status commit(NewVersion& version);
   const Manifest& manifest() const { return manifest_; }
 
  private:
-  Status write(TileId tile, WokenTile& woken);
-  Result<std::vector<std::byte>> rows_of(const TileMesh& mesh, TileId tile) const;
-  Result<TileEntry> write_as_points(TileId tile, const TileMesh& mesh, const std::vector<std::byte>& rows);
-  bool is_gone(TileId tile) const;
+  // Whether the tile has another file now, or none.
+  bool is_other(TileId tile) const;
   Result<Bounds> bounds() const;
-  void describe(Manifest& manifest, const ResultChange& change, const UpdateOptions& options) const;
-  std::vector<DuplicatePair> duplicates() const;
-  Result<std::vector<FinishedTile>> finished_tiles(const NewVersion& version, unsigned threads) const;
+  void describe(Manifest& manifest) const;
+  std::vector<Manifest::Input> inputs() const;
   bool duplicates_changed() const;
-  Status sort_rows(std::span<const DuplicatePair> duplicates, std::span<const std::byte> added,
-                   std::optional<DuplicateRowSort>& rows) const;
-  TileKind kind_of(TileId tile) const;
+  std::vector<DuplicatePair> duplicates() const;
+  Status sort_rows(std::span<const DuplicatePair> duplicates, std::optional<DuplicateRowSort>& rows) const;
+  Result<std::vector<FinishedTile>> finished_tiles(const NewVersion& version) const;
 
-  const UpdateSetting& setting_;
-  Tiles& tiles_;
+  const TileSource& source_;
+  const UpdatePlan& plan_;
+  const Ends& ends_;
+  const ResultChange& change_;
+  const UpdateOptions& options_;
   std::filesystem::path folder_;
-  std::mutex mutex_;
-  std::map<TileId, TileEntry> written_;
-  Bounds written_bounds_;  // of the own vertices of the tiles that were written
+  std::stop_token stop_;
   Manifest manifest_;
 };
 

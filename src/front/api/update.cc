@@ -14,6 +14,7 @@
 #include "src/front/api/triangulation_impl.h"
 #include "src/input/cloud/cloud.h"
 #include "src/input/npy/array_source.h"
+#include "src/job/engine_steps.h"
 #include "src/job/machine.h"
 #include "src/job/new_points.h"
 #include "src/job/version.h"
@@ -94,8 +95,9 @@ UpdateReport update(const Triangulation& triangulation, const UpdateRequest& req
   return guarded([&] {
     const auto& asked = OptionsInside::of(request);
     const std::filesystem::path folder = triangulation.folder();
-    const TileSource source = value_or_throw(TileSource::open(folder)).stopped_by(asked.stop);
-    or_throw(check_changeable(folder, source.manifest()));
+    const TileSource opened = value_or_throw(TileSource::open(folder));
+    or_throw(check_changeable(folder, opened.manifest()));
+    const TileSource source = opened.without_columns().stopped_by(asked.stop);
     UpdateOptions options = asked.options;
     if (options.threads == 0) options.threads = usable_processors();
     options.software_version = version();
@@ -110,7 +112,11 @@ UpdateReport update(const Triangulation& triangulation, const UpdateRequest& req
       const auto replaced = value_or_throw(select_points(source, {.places = change.add}, options.threads, asked.stop));
       change.remove.insert(change.remove.end(), replaced.begin(), replaced.end());
     }
-    const auto updated = value_or_throw(update_result(folder, change, options, asked.stop));
+    const std::uint64_t memory = default_memory();
+    Engine engine(options.threads, memory, kinds_of_stages());
+    Progress progress;
+    EngineStages stages(engine, {.threads = options.threads, .memory_bytes = memory, .resumable = false}, progress);
+    const auto updated = value_or_throw(update_result(folder, change, options, stages, asked.stop));
     return UpdateReport{.first_id = updated.first_new,
                         .removed = updated.removed,
                         .added = change.add.size(),

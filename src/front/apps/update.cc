@@ -20,6 +20,7 @@
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/log.h"
 #include "src/front/apps/machine_options.h"
+#include "src/front/apps/percent_line.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/update_command.h"
 #include "src/front/apps/version_option.h"
@@ -27,6 +28,8 @@
 #include "src/input/cloud/cloud.h"
 #include "src/input/npy/npy_header.h"
 #include "src/job/arguments.h"
+#include "src/job/engine_steps.h"
+#include "src/job/estimate.h"
 #include "src/job/new_points.h"
 #include "src/job/report/human.h"
 #include "src/job/version.h"
@@ -54,6 +57,8 @@ struct AskedUpdate {
   std::optional<std::string> box = {};
   PointSelection selection = {};
   UpdateOptions options = {};
+  int dimension = 3;  // of the result
+  std::uint64_t memory_bytes = 0;
   OutputOptions output = {};
 };
 
@@ -70,7 +75,7 @@ Status read_version_options(Settings& settings, UpdateOptions& options, const st
   return success();
 }
 
-fs::path written_to(const UpdateRequest& request) {
+fs::path written_to(const AskedUpdate& request) {
   return request.options.to.empty() ? request.result : request.options.to;
 }
 
@@ -106,8 +111,13 @@ Result<AskedUpdate> read_request(Settings& settings, const UpdateFiles& files) {
                  "nothing is to be changed; add --add FILES, --remove-ids FILE, --remove-class LIST, --remove-box BOX, "
                  "--remove-polygon FILE, --remove-time A..B or --remove-input FILE");
   if (replace && files.add.empty()) return error(Errc::usage, "--replace needs new points; add --add FILES");
+  BOOST_OUTCOME_TRY(resume, settings.on("resume"));
+  request.options.resume = resume && !dry_run;
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  request.memory_bytes = memory;
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
   request.options.threads = threads;
+  request.options.progress = share_line("changing the result", output);
   return request;
 }
 
@@ -155,8 +165,8 @@ Result<ResultChange> read_change(AskedUpdate& request, const std::stop_token& st
   BOOST_OUTCOME_TRYV(check_changeable(request.result, opened.manifest()));
   const TileSource source = opened.without_columns().stopped_by(stop);
   const Manifest& manifest = source.manifest();
+  request.dimension = manifest.dimension;
   ResultChange change;
-  if (request.box || !request.selection.classes.empty()) change.chosen_from = manifest.version;
   if (request.ids) {
     BOOST_OUTCOME_TRY(file, open_file(*request.ids));
     BOOST_OUTCOME_TRY(ids, read_npy_integers(*file));
@@ -169,11 +179,21 @@ Result<ResultChange> read_change(AskedUpdate& request, const std::stop_token& st
   if (request.replace) request.selection.places = change.add;
   BOOST_OUTCOME_TRY(selected, select_points(source, request.selection, request.options.threads, stop));
   change.remove.insert(change.remove.end(), selected.begin(), selected.end());
+  if (!selected.empty()) change.chosen_from = manifest.version;
   return change;
+}
+
+// As the estimate of a triangulation, for the points of the tiles that are triangulated.
+double seconds_of(const AskedUpdate& request, const Updated& updated) {
+  const std::uint64_t limit = updated.old_points / std::max<std::uint64_t>(updated.awake, 1) + 1;
+  return estimate(request.dimension, KernelKind::flat, TileKind::cells, updated.old_points, limit, true, 0,
+                  {request.memory_bytes, request.options.threads})
+      .seconds;
 }
 
 void print(const AskedUpdate& request, const ResultChange& change, const Updated& updated) {
   const bool dry = request.options.dry_run;
+  const double seconds = seconds_of(request, updated);
   if (request.output.json) {
     nlohmann::ordered_json told{{"event", dry ? "would_update" : "updated"}};
     if (!dry) told["output"] = written_to(request).string();
@@ -182,9 +202,15 @@ void print(const AskedUpdate& request, const ResultChange& change, const Updated
     told["added"] = change.add.size();
     told["first_new_id"] = updated.first_new;
     told["duplicates"] = updated.duplicates;
+    told["way"] = updated.anew ? "anew" : "exchange";
+    told["tiles_begun"] = updated.begun;
     told["tiles_awake"] = updated.awake;
     told["tiles_changed"] = updated.written;
     told["points_sent"] = updated.exchange.sent;
+    if (dry) {
+      told["bytes"] = updated.old_bytes;
+      told["seconds"] = seconds;
+    }
     if (!dry) {
       told["tiles"] = updated.tiles;
       told["vertices"] = updated.vertices;
@@ -197,9 +223,18 @@ void print(const AskedUpdate& request, const ResultChange& change, const Updated
   if (request.output.quiet) return;
   say("%s points %s removed, %s added (%s of them equal to other points)\n", grouped(updated.removed).c_str(),
       dry ? "would be" : "were", grouped(change.add.size()).c_str(), grouped(updated.duplicates).c_str());
-  say("%s tiles %s triangulated again, and %s of them %s\n", grouped(updated.awake).c_str(), dry ? "would be" : "were",
-      grouped(updated.written).c_str(), dry ? "would change" : "have changed");
-  if (dry) return;
+  if (updated.anew) {
+    say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n",
+        dry ? "would be" : "were");
+  } else {
+    say("%s tiles %s triangulated again, and %s of them %s\n", grouped(updated.awake).c_str(),
+        dry ? "would be" : "were", grouped(updated.written).c_str(), dry ? "would change" : "have changed");
+  }
+  if (dry) {
+    say("about %s would be written, in about %s\n", human_bytes(updated.old_bytes).c_str(),
+        human_seconds(seconds).c_str());
+    return;
+  }
   say("%s, version %s: %s vertices, %s cells in %s tiles\n", written_to(request).c_str(),
       std::to_string(updated.version).c_str(), grouped(updated.vertices).c_str(), grouped(updated.cells).c_str(),
       grouped(updated.tiles).c_str());
@@ -213,7 +248,16 @@ Status run_update(Settings& settings, const UpdateFiles& files, const std::vecto
   const Interrupt interrupt;
   BOOST_OUTCOME_TRYV(read_version_options(settings, request.options, interrupt.token()));
   BOOST_OUTCOME_TRY(change, read_change(request, interrupt.token()));
-  BOOST_OUTCOME_TRY(updated, update_result(request.result, change, request.options, interrupt.token()));
+  Engine engine(request.options.threads, request.memory_bytes, kinds_of_stages());
+  Progress progress;
+  progress.log = log_debug;
+  EngineStages stages(
+      engine,
+      {.threads = request.options.threads, .memory_bytes = request.memory_bytes, .resumable = request.options.resume},
+      progress);
+  auto result_of_change = update_result(request.result, change, request.options, stages, interrupt.token());
+  clear_line(request.output);
+  BOOST_OUTCOME_TRY(updated, std::move(result_of_change));
   print(request, change, updated);
   return success();
 }
@@ -230,7 +274,7 @@ Command add_update(CLI::App& root) {
                              "  tessera update out/ --remove-input old.laz --add new.laz -o next/\n"
                              "  tessera update out/ --remove-polygon site.geojson --remove-time 1000..2000 -o next/\n"
                              "  tessera update out/ --add corrected.laz --replace -o next/\n"
-                             "  tessera update out/ --remove-class 7 --dry-run           (writes nothing)");
+                             "  tessera update out/ --remove-class 7 --dry-run           (tells what would change)");
   auto files = std::make_shared<UpdateFiles>();
   add_value(command, "output", "FOLDER",
             "make a new result in this folder, and leave the given one as it is; default: a new version of it", 'o',
@@ -253,6 +297,12 @@ Command add_update(CLI::App& root) {
   add_values(command, "remove-input", "FILE", files->inputs,
              "remove the points that came from this input file, which need not exist any more");
   add_switch(command, "dry-run", "write nothing, and tell what would change", 0, true);
+  add_switch(
+      command, "resume",
+      "continue an interrupted run of the same command, which has left its state in FOLDER.update, and leave the "
+      "state there when interrupted again",
+      0, true);
+  add_memory_option(command, "tiles");
   add_threads_option(command);
   add_output_switches(command);
   add_argument(command, "result", "FOLDER", files->result, "result folder");

@@ -1,4 +1,4 @@
-#include "src/surface/run_folder.h"
+#include "src/delaunay/run/run_folder.h"
 
 #include <algorithm>
 #include <string>
@@ -9,13 +9,13 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 
-namespace tessera::surface {
+namespace tessera {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-// Empties a locked folder. The lock stays to the end, as it marks the folder as one of a surface. The plan goes first,
+// Empties a locked folder. The lock stays to the end, as it marks the folder as a run folder. The plan goes first,
 // so that no process continues from a part of the rest.
 Status clear(const fs::path& path) {
   BOOST_OUTCOME_TRYV(remove_whole(plan_file(path)));
@@ -29,7 +29,7 @@ Status clear(const fs::path& path) {
 
 }  // namespace
 
-Result<RunFolder> RunFolder::claim(fs::path path, bool resume, const LockOptions& lock_options) {
+Result<RunFolder> RunFolder::claim(fs::path path, const char* what, bool resume, const LockOptions& lock_options) {
   BOOST_OUTCOME_TRY(there, is_there(path, FollowLinks::no));
   if (there) {
     BOOST_OUTCOME_TRY(folder, is_folder(path, FollowLinks::no));
@@ -41,9 +41,8 @@ Result<RunFolder> RunFolder::claim(fs::path path, bool resume, const LockOptions
                                           [&](const std::string& name) { return name == plan || is_lock_name(name); });
     }
     if (!ours)
-      return error(
-          Errc::usage,
-          path.string() + ": is in the way: the surface is made in a folder of this name; rename or remove it");
+      return error(Errc::usage, path.string() + ": is in the way: " + what +
+                                    " is made in a folder of this name; rename or remove it");
   }
   const fs::path parent = path.parent_path();
   if (!parent.empty()) {
@@ -63,11 +62,11 @@ RunFolder::~RunFolder() {
   if (!lock_) return;
   const auto begun = is_there(plan_file(path_));
   const bool stays = resume_ && !done_ && begun && begun.value();
-  // What cannot be removed now is removed when the surface is made again.
+  // What cannot be removed now is removed when the job is run again.
   const bool cleared = !stays && lock_->check() && clear(path_);
   lock_.reset();
   std::error_code others;
   if (cleared) fs::remove(path_, others);  // stays when another process uses it by now
 }
 
-}  // namespace tessera::surface
+}  // namespace tessera

@@ -1,5 +1,5 @@
-// The folder in which a surface is made, beside what is written. It is removed when the surface is complete. If the job
-// fails and can be resumed, the folder stays with its content.
+// The run folder of a job over a result, beside what the job writes. It is removed when the outcome is complete. If the
+// job fails and can be resumed, the folder stays with its content.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +9,22 @@
 #include "src/base/files/folder_lock.h"
 #include "src/base/result.h"
 
-namespace tessera::surface {
+namespace tessera {
 
 class RunFolder {
  public:
   // Makes the folder if there is none, and locks it. Without `resume`, removes what an earlier process has left there.
-  // Errors: io; usage when another process works there, or when there is something else at the path.
-  static Result<RunFolder> claim(std::filesystem::path path, bool resume, const LockOptions& lock = {});
+  // `what` is made there, for errors: "the surface". Errors: io; usage when another process works there, or when there
+  // is something else at the path.
+  static Result<RunFolder> claim(std::filesystem::path path, const char* what, bool resume,
+                                 const LockOptions& lock = {});
   RunFolder(RunFolder&&) noexcept = default;
   RunFolder& operator=(RunFolder&&) = delete;
   ~RunFolder();
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path lock_file() const { return lock_->file(); }
-  // The surface is complete.
+  // The outcome is complete.
   void done() { done_ = true; }
 
  private:
@@ -35,4 +37,4 @@ class RunFolder {
   bool done_ = false;
 };
 
-}  // namespace tessera::surface
+}  // namespace tessera

@@ -1,0 +1,159 @@
+#include "src/delaunay/update/update_folder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "src/base/files/folder.h"
+#include "src/base/files/frame.h"
+#include "src/base/files/there.h"
+#include "src/base/files/update_names.h"
+#include "src/base/stopped.h"
+#include "src/exchange/tile_storage.h"
+#include "src/result/store/digest.h"
+#include "src/result/store/points_tile.h"
+#include "src/tiling/hilbert.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Files of one tile, but of different kinds, must not be mistaken for each other.
+FrameOwner owner_of(std::uint64_t seal, TileId tile, bool end) {
+  return {seal, std::uint64_t{tile.value} * 2 + (end ? 1 : 0)};
+}
+
+}  // namespace
+
+UpdateFolder::UpdateFolder(const ResultInput& input, std::shared_ptr<const UpdatePlan> plan, bool writes)
+    : source_(input.source),
+      run_(input.run),
+      seal_(input.seal),
+      node_(input.node),
+      stop_(input.stop),
+      rows_(input.source, std::move(plan), input.memory_bytes),
+      writes_(writes),
+      many_nodes_(input.own != input.run) {}
+
+Result<TileMesh> UpdateFolder::read(TileId tile, bool cells) {
+  const auto index = source_.find(tile);
+  if (!index) {
+    TileMesh none;
+    none.dimension = source_.manifest().dimension;
+    return none;
+  }
+  BOOST_OUTCOME_TRY(stored, source_.read(*index, {.cells = cells}));
+  return std::move(stored.mesh);
+}
+
+Status UpdateFolder::keep_told(TileId tile, const ToldOfHoles& told) {
+  return write_frame(update_tile_file(update_told_folder(run_), tile), ScratchKind::kept, owner_of(seal_, tile, false),
+                     bytes_of(told));
+}
+
+Result<ToldOfHoles> UpdateFolder::told(TileId tile) {
+  const fs::path file = update_tile_file(update_told_folder(run_), tile);
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (!there) return ToldOfHoles{};
+  BOOST_OUTCOME_TRY(bytes, read_frame(file, ScratchKind::kept, owner_of(seal_, tile, false)));
+  auto told = told_of(bytes);
+  if (!told) return damaged(tile, "list of points around holes");
+  return std::move(*told);
+}
+
+Status UpdateFolder::store(TileId tile, TileEnd end, CollectedTile* cells) {
+  throw_if_stopped(stop_);
+  if (cells != nullptr && writes_) {
+    BOOST_OUTCOME_TRY(entry, write(tile, *cells));
+    end.entry = entry;
+  }
+  return write_frame(update_tile_file(update_ends_folder(run_), tile), ScratchKind::kept, owner_of(seal_, tile, true),
+                     bytes_of(end));
+}
+
+// A tile without a file gets one like the others.
+TileKind UpdateFolder::kind_of(TileId tile) const {
+  if (const auto index = source_.find(tile)) return source_.entry(*index).kind;
+  const auto& all = source_.manifest().tiles;
+  const bool points = std::all_of(all.begin(), all.end(), [](const auto& e) { return e.kind == TileKind::points; });
+  return points ? TileKind::points : TileKind::cells;
+}
+
+Result<TileEntry> UpdateFolder::write_as_points(TileId tile, const TileMesh& mesh,
+                                                const std::vector<std::byte>& rows) const {
+  const Manifest& manifest = source_.manifest();
+  const auto own = static_cast<std::size_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
+  Bounds bounds;
+  for (std::size_t v = own; v < mesh.points.size(); ++v) bounds.add(mesh.points[v]);
+  const HilbertKey key(bounds, manifest.dimension);
+  std::vector<std::size_t> order(mesh.points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin() + static_cast<std::ptrdiff_t>(own), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(key(mesh.points[a]), mesh.ids[a]) < std::pair(key(mesh.points[b]), mesh.ids[b]);
+  });
+  std::vector<Point> points;
+  std::vector<PointId> ids;
+  std::vector<TileId> owners;
+  std::vector<std::byte> ordered(rows.size());
+  const std::size_t width = row_bytes(manifest.schema);
+  for (const std::size_t v : order) {
+    if (width > 0) std::memcpy(&ordered[points.size() * width], &rows[v * width], width);
+    points.push_back(mesh.points[v]);
+    ids.push_back(mesh.ids[v]);
+    owners.push_back(mesh.owners[v]);
+  }
+  CountedCells counted;
+  counted.cells = mesh.cell_ghost.size();
+  counted.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
+  counted.digest = CellDigest(manifest.dimension, mesh.ids).of(mesh.cells, mesh.cell_ghost.data());
+  return write_points_tile(update_result_folder(run_),
+                           {.dimension = manifest.dimension,
+                            .tile = tile,
+                            .own = own,
+                            .points = points,
+                            .ids = ids,
+                            .owners = owners,
+                            .schema = manifest.schema,
+                            .rows = ordered},
+                           counted, {.schema = manifest.schema, .node = node_, .sync = many_nodes_, .stop = stop_});
+}
+
+Result<TileEntry> UpdateFolder::write(TileId tile, CollectedTile& cells) {
+  const Manifest& manifest = source_.manifest();
+  BOOST_OUTCOME_TRY(rows, rows_.of(tile, cells.mesh.ids, cells.mesh.owners));
+  if (kind_of(tile) == TileKind::points) return write_as_points(tile, std::move(cells).whole(), rows);
+  const StoreOptions options{
+      .neighbors = manifest.neighbors, .schema = manifest.schema, .node = node_, .sync = many_nodes_, .stop = stop_};
+  return write_tile(update_result_folder(run_), tile, cells.mesh, cells, rows, options);
+}
+
+Result<TileEnd> read_end(const fs::path& run, std::uint64_t seal, TileId tile) {
+  BOOST_OUTCOME_TRY(bytes, read_frame(update_tile_file(update_ends_folder(run), tile), ScratchKind::kept,
+                                      owner_of(seal, tile, true)));
+  auto end = tile_end_of(bytes);
+  if (!end) return damaged(tile, "record of what it has become");
+  return std::move(*end);
+}
+
+Result<std::vector<TileId>> tiles_in(const fs::path& folder) {
+  std::vector<TileId> tiles;
+  BOOST_OUTCOME_TRY(there, is_there(folder));
+  if (!there) return tiles;
+  BOOST_OUTCOME_TRY(files, sorted_names(folder));
+  for (const fs::path file : files) {
+    const std::string name = file.stem().string();
+    std::uint32_t tile = 0;
+    const auto [end, failed] = std::from_chars(name.data(), name.data() + name.size(), tile);
+    if (failed == std::errc() && end == name.data() + name.size() && file.extension() == ".bin")
+      tiles.push_back(TileId{tile});
+  }
+  std::sort(tiles.begin(), tiles.end());
+  return tiles;
+}
+
+}  // namespace tessera
