@@ -44,6 +44,8 @@ std::set<TileId> LiveExchange::beginners() const {
   return out;
 }
 
+// A foreign vertex that is in none of the tile's cells may have been removed while the tile slept. Then its owner does
+// not have it any more.
 Status LiveExchange::wake(TileId id, Woken& tile) const {
   const auto& stored = before_.tiles()[id.value];
   if (stored) {
@@ -55,7 +57,11 @@ Status LiveExchange::wake(TileId id, Woken& tile) const {
   }
   std::span<const LocalPoint> added;
   if (const auto found = batch_.added.find(id); found != batch_.added.end()) added = found->second;
-  const auto removed = removed_.from(stored ? stored->seen() : removed_.end());
+  std::vector<PointId> removed = removed_;
+  for (const SharedPoint& p : tile.triangulation->foreign_vertices()) {
+    const auto& owner = before_.tiles()[p.tile.value];
+    if (!owner || owner->triangulation().vertex_of(p.id) == 0) removed.push_back(p.id);
+  }
   BOOST_OUTCOME_TRY(change, tile.triangulation->change(removed, added));
   tile.change = std::move(change);
   return success();

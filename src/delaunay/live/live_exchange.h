@@ -18,27 +18,19 @@
 
 namespace tessera {
 
-// The vertices that have been removed, in the order of their removal. Old entries, which all tiles have been told of,
-// may be forgotten.
-struct RemovedPoints {
-  std::uint64_t forgotten = 0;
-  std::vector<PointId> ids;
-  std::uint64_t end() const { return forgotten + ids.size(); }
-  std::span<const PointId> from(std::uint64_t seen) const { return std::span(ids).subspan(seen - forgotten); }
-};
-
 // What a batch does to vertices.
 struct LiveBatch {
-  std::map<TileId, std::vector<PointId>> removed;   // vertices, by owner; they are the last of RemovedPoints, too
+  std::map<TileId, std::vector<PointId>> removed;   // vertices, by owner
   std::map<TileId, std::vector<LocalPoint>> added;  // by owner; in Hilbert order, equal points by id
 };
 
 class LiveExchange {
  public:
   // All arguments outlive this object.
-  LiveExchange(const LiveVersion& before, const KnownFromStart& around, const RemovedPoints& removed,
-               const LiveBatch& batch, unsigned threads)
-      : before_(before), around_(around), removed_(removed), batch_(batch), threads_(threads) {}
+  LiveExchange(const LiveVersion& before, const KnownFromStart& around, const LiveBatch& batch, unsigned threads)
+      : before_(before), around_(around), batch_(batch), threads_(threads) {
+    for (const auto& [tile, ids] : batch.removed) removed_.insert(removed_.end(), ids.begin(), ids.end());
+  }
 
   // Runs until all is quiet. Error internal when tiles tell each other what no sound tile tells.
   Status run();
@@ -66,9 +58,9 @@ class LiveExchange {
 
   const LiveVersion& before_;
   const KnownFromStart& around_;
-  const RemovedPoints& removed_;
   const LiveBatch& batch_;
   unsigned threads_;
+  std::vector<PointId> removed_;  // of all tiles
   std::map<TileId, Woken> woken_;
   std::map<TileId, Mail> mail_;
 };

@@ -107,7 +107,7 @@ Status LiveResult::load_tile(std::size_t index, LiveVersion::Tiles& tiles, std::
     if (!built) return corrupt("two of its vertices are equal");
     if (made->kernel_dimension() < partition_->dimension()) return corrupt("its vertices do not span space");
     made->settle();
-    tiles[self.value] = std::make_shared<const LiveTile>(std::move(made), 0);
+    tiles[self.value] = std::make_shared<const LiveTile>(std::move(made));
   } catch (const Unsound&) {
     return corrupt("two of its vertices are equal");
   } catch (const TileTooLarge& e) {
@@ -227,21 +227,8 @@ Status LiveResult::check_left(const LiveVersion& before, LiveExchange& exchange)
                 (partition_->dimension() == 3 ? "in a plane" : "on a line") + ", so they have no triangulation");
 }
 
-// So that the list of removed points does not grow for ever: tells all tiles of them.
-void LiveResult::forget_removed(LiveVersion::Tiles& tiles) const {
-  for (auto& tile : tiles) {
-    if (!tile || tile->seen() == removed_.end()) continue;
-    auto again = tile->triangulation().clone();
-    const auto changed = again->change(removed_.from(tile->seen()), {});
-    check(changed && !changed.value().begins && !changed.value().lost, "a tile that slept has lost no neighbour");
-    again->settle();
-    tile = std::make_shared<const LiveTile>(std::move(again), removed_.end());
-  }
-}
-
 std::shared_ptr<const LiveVersion> LiveResult::next(const LiveVersion& before, const Planned& planned,
                                                     LiveExchange& exchange, std::set<TileId>& changed) const {
-  constexpr std::size_t removed_max = std::size_t{1} << 20;
   LiveVersion::Tiles tiles = before.tiles();
   for (auto& [id, tile] : exchange.tiles()) {
     auto& here = tiles[id.value];
@@ -250,11 +237,10 @@ std::shared_ptr<const LiveVersion> LiveResult::next(const LiveVersion& before, c
       changed.insert(id);
     } else if (tile.changed()) {
       tile.triangulation->settle();
-      here = std::make_shared<const LiveTile>(std::move(tile.triangulation), removed_.end());
+      here = std::make_shared<const LiveTile>(std::move(tile.triangulation));
       changed.insert(id);
     }
   }
-  if (removed_.ids.size() > removed_max) forget_removed(tiles);
   return std::make_shared<const LiveVersion>(before.number() + 1, partition_, std::move(tiles),
                                              before.ids().with(planned.entries));
 }
@@ -289,18 +275,9 @@ Result<LiveApplied> LiveResult::apply_logged(const ResultChange& change, bool lo
   LiveApplied applied{.version = before->number(), .first_new = next_id_};
   if (change.add.empty() && change.remove.empty()) return applied;
   BOOST_OUTCOME_TRY(planned, plan(*before, change));
-  const std::size_t removed_before = removed_.ids.size();
-  struct Undo {
-    std::vector<PointId>& ids;
-    std::size_t size;
-    ~Undo() { ids.resize(size); }
-  } undo{removed_.ids, removed_before};
-  for (const auto& [tile, ids] : planned.batch.removed) {
-    removed_.ids.insert(removed_.ids.end(), ids.begin(), ids.end());
-    applied.removed += ids.size();
-  }
+  for (const auto& [tile, ids] : planned.batch.removed) applied.removed += ids.size();
   applied.removed += planned.duplicates_removed.size();
-  LiveExchange exchange(*before, around_, removed_, planned.batch, options_.threads);
+  LiveExchange exchange(*before, around_, planned.batch, options_.threads);
   BOOST_OUTCOME_TRYV(exchange.run());
   BOOST_OUTCOME_TRYV(check_left(*before, exchange));
   for (const auto& [id, tile] : exchange.tiles()) {
@@ -325,14 +302,9 @@ Result<LiveApplied> LiveResult::apply_logged(const ResultChange& change, bool lo
       return *broken_;
     }
   }
-  undo.size = removed_.ids.size();
   note(planned, change, applied);
   changed_.merge(changed);
   current_ = version;
-  if (removed_.ids.size() > std::size_t{1} << 20) {
-    removed_.forgotten = removed_.end();
-    undo.size = 0;
-  }
   return applied;
 }
 

@@ -103,7 +103,6 @@ class LiveResult {
   void describe(Manifest& manifest, const LiveVersion& version) const;
   std::optional<Digest> digest_with(const std::vector<TileEntry>& written) const;
   Status begin_again();
-  void forget_removed(LiveVersion::Tiles& tiles) const;
   Error refuse(const std::string& why) const;
 
   static constexpr const char* until_opened_again = "nothing is changed any more until the result is opened again";
@@ -114,7 +113,6 @@ class LiveResult {
   LiveOptions options_;
   mutable std::mutex writer_;  // all that follows, but for current_
   std::atomic<std::shared_ptr<const LiveVersion>> current_;
-  RemovedPoints removed_;
   LiveDuplicates duplicates_;
   std::uint64_t next_id_ = 0;
   std::uint64_t filtered_ = 0;                      // points that were removed since the stored version

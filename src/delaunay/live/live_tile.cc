@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-LiveTile::LiveTile(std::unique_ptr<const TileTriangulation> triangulation, std::uint64_t seen)
-    : triangulation_(std::move(triangulation)), seen_(seen), dimension_(triangulation_->kernel().max_dimension()) {
+LiveTile::LiveTile(std::unique_ptr<const TileTriangulation> triangulation)
+    : triangulation_(std::move(triangulation)), dimension_(triangulation_->kernel().max_dimension()) {
   check(triangulation_->kernel_dimension() == dimension_, "a live tile is not flat");
   sample();
   memory_ = triangulation_->memory() + grid_.capacity() * sizeof(Row) + sizeof *this;

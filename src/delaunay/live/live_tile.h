@@ -16,11 +16,10 @@ namespace tessera {
 
 class LiveTile {
  public:
-  // `triangulation`: settled, and not flat. `seen`: of how many removed points the triangulation has been told.
-  LiveTile(std::unique_ptr<const TileTriangulation> triangulation, std::uint64_t seen);
+  // `triangulation`: settled, and not flat.
+  explicit LiveTile(std::unique_ptr<const TileTriangulation> triangulation);
 
   const TileTriangulation& triangulation() const { return *triangulation_; }
-  std::uint64_t seen() const { return seen_; }
   std::size_t memory() const { return memory_; }
 
   // A cell by its row in the kernel.
@@ -44,7 +43,6 @@ class LiveTile {
   void sample();
 
   std::unique_ptr<const TileTriangulation> triangulation_;
-  std::uint64_t seen_;
   int dimension_;
   std::size_t memory_ = 0;
   // A grid over the own points: a finite cell near each of its places.
