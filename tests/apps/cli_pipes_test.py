@@ -21,7 +21,7 @@ class Pipes(CliTest):
         (self.folder / "where.xyz").write_text("0.5 0.5 0\n0.25 0.75 0\n", "ascii")
         self.ok("triangulate", cloud, "--dim", "2", "--tiles", "3", "-o", self.out)
         files = [f.relative_to(self.out) for f in self.out.rglob("*") if f.is_file() and f.name != "report.html"]
-        self.assertEqual({f.name for f in files}, {"manifest.json", "triangulation.pvtu", "duplicates.bin", "000000.vtu", "000001.vtu", "000002.vtu"})
+        self.assertEqual({f.name for f in files}, {"manifest.json", "triangulation.pvtu", "duplicates.bin", "duplicate-rows.bin", "000000.vtu", "000001.vtu", "000002.vtu"})
         for what in ("pipe", "device"):
             for file in files:
                 damaged = self.folder / "damaged"
