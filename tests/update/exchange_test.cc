@@ -10,6 +10,7 @@
 #include <memory>
 #include <random>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -262,6 +263,38 @@ class ChangeOfTiles final : public LaterStages {
   std::shared_ptr<StoreInMemory> store_;
   std::shared_ptr<const UpdateSetting> setting_;
 };
+
+// A fresh point is answered, another one is not. Whether a point is fresh does not depend on the sender's routing
+// table.
+TEST(ChangedProgram, BelievesTheFreshBitOfAnotherTable) {
+  TileMesh square;
+  square.dimension = 2;
+  square.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  square.ids = {PointId{0}, PointId{1}, PointId{2}, PointId{3}};
+  square.owners.assign(4, TileId{1});
+  square.point_ghost.assign(4, 0);
+  const Tiles tiles{{TileId{1}, square}};
+  std::vector<Bounds> bounds(2);
+  for (Bounds& b : bounds) b.add(Point{0, 0, 0});
+  auto around = std::make_shared<KnownFromStart>(
+      std::move(bounds), std::vector<std::vector<TileId>>{{TileId{1}}, {TileId{0}}}, std::vector<Seed>{});
+  around->leave_out_fresh_bit();
+  const auto setting =
+      std::make_shared<const UpdateSetting>(UpdateSetting{.dimension = 2,
+                                                          .plan = std::make_shared<const UpdatePlan>(),
+                                                          .around = around,
+                                                          .store = std::make_shared<StoreInMemory>(tiles),
+                                                          .result = "result"});
+  for (const bool fresh : {true, false}) {
+    ChangedProgram program(TileId{1}, setting);
+    ASSERT_TRUE(program.begin());
+    const SharedPoint point{{0.4, 0.5, 0}, PointId{9}, TileId{0}, fresh ? fresh_bit : 0};
+    const auto bytes = std::as_bytes(std::span(&point, 1));
+    ASSERT_TRUE(program.take(TileId{0}, false, Message(bytes.begin(), bytes.end())));
+    ASSERT_TRUE(program.step());
+    EXPECT_EQ(program.messages().empty(), !fresh);
+  }
+}
 
 class ChangeOnActors : public ::testing::Test {
  protected:
