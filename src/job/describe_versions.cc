@@ -19,7 +19,7 @@ namespace tessera {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Row = std::array<std::string, 10>;
+using VersionRow = std::array<std::string, 10>;
 
 std::string time_text(std::int64_t seconds) {
   const std::time_t time = seconds;
@@ -66,7 +66,7 @@ Json to_json(const ToldVersion& version) {
           {"software_version", entry.software_version}};
 }
 
-Row to_row(const ToldVersion& version) {
+VersionRow to_row(const ToldVersion& version) {
   const VersionEntry& entry = version.entry;
   return {std::to_string(entry.version),
           time_text(entry.seconds),
@@ -80,12 +80,12 @@ Row to_row(const ToldVersion& version) {
           printable(joined(entry.command, " "))};
 }
 
-std::string table(const std::vector<Row>& rows) {
-  std::array<std::size_t, std::tuple_size_v<Row>> widths{};
-  for (const Row& row : rows)
+std::string version_table(const std::vector<VersionRow>& rows) {
+  std::array<std::size_t, std::tuple_size_v<VersionRow>> widths{};
+  for (const VersionRow& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   std::string text;
-  for (const Row& row : rows) {
+  for (const VersionRow& row : rows) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
       line += (i == 0 ? "" : "  ") + row[i];
@@ -108,10 +108,10 @@ Result<std::string> describe_versions(const std::string& folder, bool json) {
         {"result", folder}, {"version", told.newest}, {"keep_versions", told.keep}, {"versions", std::move(list)}};
     return json_text(object) + "\n";
   }
-  std::vector<Row> rows{
+  std::vector<VersionRow> rows{
       {"version", "time", "change", "vertices", "cells", "tiles written", "bytes", "digest", "readable", "command"}};
   for (const auto& version : told.versions) rows.push_back(to_row(version));
-  return table(rows);
+  return version_table(rows);
 }
 
 }  // namespace tessera
