@@ -233,7 +233,8 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
                        StagesRunner& runner, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(wanted, plan_change(result, change, options, stop));
   if (options.dry_run) return try_update(wanted, options, runner, stop);
-  const fs::path run_path = update_run_folder(options.to.empty() ? result : options.to);
+  const fs::path beside = update_run_folder(options.to.empty() ? result : options.to);
+  const fs::path run_path = options.run.empty() ? beside : options.run;
   BOOST_OUTCOME_TRY(run, RunFolder::claim(run_path, "the new result", options.resume, options.lock));
   BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
   BOOST_OUTCOME_TRYV(

@@ -50,9 +50,9 @@ std::optional<proto::Problem> Processes::check(const proto::Inputs& inputs, std:
                      (process->reads == Process::Reads::perhaps_a_result && !name.empty());
   if (reads) {
     if (auto bad = check_exists(shop_.results, "triangulation", name)) return bad;
-    triangulation = name;
+    if (!makes_result(inputs)) triangulation = name;
   }
-  if (const auto second = second_result_read(inputs); !second.empty())
+  if (const auto second = second_result_read(inputs); !second.empty() && second != name)
     if (auto bad = check_exists(shop_.results, "second", second)) return bad;
   return process->check == nullptr ? std::nullopt : process->check(shop_, inputs);
 }
