@@ -46,7 +46,8 @@ struct UpdateOptions {
   unsigned threads = 1;         // that read source indices
   // Whether to continue what an earlier process has begun, and to leave what is done when this process is interrupted.
   bool resume = false;
-  // The run folder, in the file system of the new result. Empty: update_run_folder() of the new result.
+  // The run folder, in the file system of the new result; in a dry run it must not exist. Empty: update_run_folder() of
+  // the new result, and in a dry run a temporary folder.
   std::filesystem::path run = {};
   LockOptions lock = {};
   std::function<void(double)> progress = {};  // is told how much is done, from 0 to 1

@@ -207,7 +207,7 @@ Result<nlohmann::ordered_json> Server::versions(const std::string& name, const s
   BOOST_OUTCOME_TRY(answer, ask({.target = target("/triangulations/" + percent_encoded(name) + "/versions")}, stop));
   auto versions = parse_ordered_json(answer.body);
   if (!versions.is_object()) return no_tessera();
-  return std::move(versions);
+  return versions;
 }
 
 Result<std::vector<proto::TriangulationInfo>> Server::triangulations(const std::stop_token& stop) {

@@ -115,8 +115,7 @@ std::optional<proto::Problem> Admission::beside_others(const proto::JobRecord& j
     }
     const auto& others_name = other.record.triangulation();
     const auto& others = other.record.inputs();
-    // Nodes open a result when they begin to work on it. So a job that makes a result of another one needs that to
-    // stay.
+    // A job that makes a result of another one needs that one to stay as it is.
     const bool replaces_second = makes_result(others) || (makes_result(inputs) && changes_result(others));
     if (!second.empty() && others_name == second && replaces_second) return works_on(second, id);
     if (name.empty()) continue;

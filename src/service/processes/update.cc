@@ -150,6 +150,10 @@ Result<UpdateJson> change_result(const Workshop& shop, const JobWork& work, cons
   BOOST_OUTCOME_TRY(manifest, shop.results.manifest(name));
   UpdateOptions options = options_of_update(shop, work, request);
   options.inputs = std::move(made.inputs);
+  // A dry run begins anew.
+  if (options.dry_run) {
+    BOOST_OUTCOME_TRYV(shop.results.drop_unfinished(work.job.id()));
+  }
   BOOST_OUTCOME_TRY(begun, is_there(options.run));
   if (begun) work.log("continues the work of an earlier start of this job");
   EngineStages stages(
