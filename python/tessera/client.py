@@ -111,7 +111,7 @@ class Client:
             warnings.warn(found["note"], stacklevel=2)
         return measures
 
-    def update(self, name: str, add: Path | typing.Iterable[Path] = (), *, remove_ids: typing.Iterable[int] | None = None,
+    def update(self, name: str, add: Path | typing.Iterable[Path] = (), *, remove_ids: typing.Iterable[int] | str | None = None,
                remove_class: typing.Iterable[int] | None = None, remove_box: typing.Iterable[float] | None = None,
                remove_polygon: Path | None = None, remove_time: tuple[float, float] | None = None,
                remove_input: Path | typing.Iterable[Path] = (), replace: bool = False, output: str | None = None,
@@ -126,9 +126,11 @@ class Client:
         ----------
         add
             Files, folders or patterns of the daemon, as for submit(), whose points are added.
-        remove_ids, remove_class, remove_box, remove_time, remove_input
-            Points that are removed: by source index, by LAS class, in a box of 4 or 6 numbers, from the first to the
+        remove_class, remove_box, remove_time, remove_input
+            Points that are removed: by LAS class, in a box of 4 or 6 numbers, from the first to the
             second gps_time, and those that came from these files.
+        remove_ids
+            Source indices, or the name of a NumPy file of the daemon with many of them.
         remove_polygon
             A GeoJSON file here: the points in its polygons are removed.
         replace
@@ -146,7 +148,8 @@ class Client:
         ...: those that `tessera update --json` prints.
         """
         polygon = None if remove_polygon is None else _polygons("remove_polygon", remove_polygon)
-        options = {"remove_ids": remove_ids, "remove_class": remove_class, "remove_box": remove_box,
+        named = isinstance(remove_ids, str)
+        options = {"remove_ids_file" if named else "remove_ids": remove_ids, "remove_class": remove_class, "remove_box": remove_box,
                    "remove_polygon": polygon, "remove_time": remove_time, "replace": replace, "output": output,
                    "overwrite": overwrite, "keep_versions": keep_versions, "dry_run": dry_run, "recursive": recursive,
                    "memory": memory}

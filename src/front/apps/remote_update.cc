@@ -38,7 +38,10 @@ Result<UpdateJson> inputs_of_update(const Settings& settings, const RemoteUpdate
   if (const auto output = settings.text("output")) json["output"] = without_slash(*output);
   if (!update.add.empty()) json["inputs"] = update.add;
   if (!update.inputs.empty()) json["remove_input"] = update.inputs;
-  if (const auto path = settings.text("remove-ids")) {
+  const auto path = settings.text("remove-ids");
+  if (path && path->starts_with("upload:")) {
+    json["remove_ids_file"] = *path;
+  } else if (path) {
     BOOST_OUTCOME_TRY(file, open_file(*path));
     BOOST_OUTCOME_TRY(ids, read_npy_integers(*file));
     json["remove_ids"] = ids;

@@ -258,8 +258,10 @@ Command add_update(CLI::App& root) {
   add_values(command, "add", "FILES", files->add,
              "add all points of these files: a file, a folder or a pattern; may be given several times");
   add_switch(command, "replace", "new points take the places of all points with the same coordinates", 0, true);
-  add_value(command, "remove-ids", "FILE", "remove the points with these source indices: a NumPy list of integers", 0,
-            true);
+  add_value(
+      command, "remove-ids", "FILE",
+      "remove the points with these source indices: a NumPy list of integers; with --server also upload:NAME/FILE", 0,
+      true);
   add_value(command, "remove-class", "LIST", "remove the points of these LAS classes, for example 7,18", 0, true);
   add_value(command, "remove-box", "BOX",
             "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: remove the points inside", 0, true);

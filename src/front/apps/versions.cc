@@ -45,11 +45,7 @@ Result<std::string> at_version(const Settings& settings, const std::string& fold
   BOOST_OUTCOME_TRY(version, settings.get(key, [](const std::string& text) {
     return parse_integer(text, 1, std::numeric_limits<std::uint32_t>::max());
   }));
-  if (!version) return folder;
-  if (names_server(settings))
-    return error(Errc::usage,
-                 "--version: a daemon answers from the newest version of a result; read an older one from "
-                 "its folder");
+  if (!version || names_server(settings)) return folder;
   return version_file(folder, static_cast<std::uint32_t>(*version)).string();
 }
 

@@ -47,6 +47,7 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "2D: keep the heights: a result carries them as the attribute z, and files have them as the third coordinate."},
     {"skip_invalid", "Leave out points with NaN or infinite coordinates and count them, instead of refusing the file."},
     {"triangulation", "The name of a result."},
+    {"version", "The version of the result, if it is still kept; default: the newest."},
     {"against_cgal", "Also compare the result with a triangulation that CGAL computes in memory."},
     {"format", "The format of the file; default: the format of the ending of output, or of copies that of each file."},
     {"local",
@@ -108,6 +109,8 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "Heights: replace the dimension HeightAboveGround that a file has already. Changes: new points take the places of "
      "all points with the same coordinates."},
     {"remove_ids", "Remove the points with these source indices."},
+    {"remove_ids_file",
+     "Remove the points whose source indices are in this NumPy file, which is named as inputs are; for long lists."},
     {"remove_class", "Remove the points whose attribute classification has one of these values."},
     {"remove_box",
      "Remove the points in this box: the coordinates of its lower corner, then of its upper corner; four numbers for "

@@ -60,6 +60,12 @@ std::string second_result_read(const proto::Inputs& inputs) {
   return makes_result(inputs) ? result_read(inputs) : text_of(inputs, "second");
 }
 
+std::uint32_t version_read(const proto::Inputs& inputs) {
+  const auto* message = chosen(inputs);
+  const auto* field = field_of(message, "version");
+  return field == nullptr ? 0 : message->GetReflection()->GetUInt32(*message, field);
+}
+
 bool overwrites(const proto::Inputs& inputs) { return is_on(inputs, "overwrite"); }
 
 }  // namespace tessera::service

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/input/bytes/byte_source.h"
 #include "src/input/cloud/cloud.h"
+#include "src/input/npy/npy_header.h"
 #include "src/job/job_options.h"
 #include "src/job/new_points.h"
 #include "src/result/tile_source.h"
@@ -66,7 +68,8 @@ Status read_attributes(const proto::UpdateInputs& inputs, PointSelection& select
 
 bool removes(const proto::UpdateInputs& inputs) {
   return inputs.remove_ids_size() > 0 || inputs.remove_class_size() > 0 || inputs.remove_box_size() > 0 ||
-         inputs.has_remove_polygon() || inputs.remove_time_size() > 0 || inputs.remove_input_size() > 0;
+         inputs.has_remove_polygon() || inputs.has_remove_ids_file() || inputs.remove_time_size() > 0 ||
+         inputs.remove_input_size() > 0;
 }
 
 // The path in the manifest that a caller means: callers know files below the roots by their names there.
@@ -98,6 +101,23 @@ Status find_parts(const Workshop& shop, const JobWork& work, const TileSource& s
     if (!ids) return error(ids.error().code, option("remove-input") + ": " + ids.error().where);
     selection.inputs.push_back(ids.value());
   }
+  return success();
+}
+
+Status read_ids(const Workshop& shop, const proto::UpdateInputs& inputs, std::vector<PointId>& ids) {
+  for (const std::uint64_t id : inputs.remove_ids()) ids.push_back(PointId{id});
+  if (!inputs.has_remove_ids_file()) return success();
+  const auto read = [&]() -> Result<std::vector<std::uint64_t>> {
+    BOOST_OUTCOME_TRY(files, shop.roots.files({inputs.remove_ids_file()}, false));
+    if (files.size() != 1)
+      return error(Errc::usage, "'" + inputs.remove_ids_file() + "' are " + std::to_string(files.size()) +
+                                    " files, and must be one");
+    BOOST_OUTCOME_TRY(file, open_file(files.front()));
+    return read_npy_integers(*file);
+  };
+  const auto listed = read();
+  if (!listed) return error(listed.error().code, option("remove-ids-file") + ": " + listed.error().where);
+  for (const std::uint64_t id : listed.value()) ids.push_back(PointId{id});
   return success();
 }
 
@@ -160,7 +180,7 @@ Result<ChangeOfResult> read_change_of_result(const Workshop& shop, const JobWork
   BOOST_OUTCOME_TRYV(check_changeable(folder, opened.manifest()));
   const TileSource source = opened.without_columns().stopped_by(work.ledger.token());
   ChangeOfResult made;
-  for (const std::uint64_t id : inputs.remove_ids()) made.change.remove.push_back(PointId{id});
+  BOOST_OUTCOME_TRYV(read_ids(shop, inputs, made.change.remove));
   BOOST_OUTCOME_TRYV(find_parts(shop, work, source, request.selection));
   if (inputs.inputs_size() > 0) {
     BOOST_OUTCOME_TRYV(add_points(shop, work, request, source, made));

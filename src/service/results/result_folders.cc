@@ -61,6 +61,9 @@ bool is_served(const fs::path& path) {
 ResultFolders::ResultFolders(const fs::path& data, StagingFolder& desk) : results_(results_folder(data)), desk_(desk) {}
 
 fs::path ResultFolders::folder(std::string_view name) const { return results_ / std::string(name); }
+fs::path ResultFolders::folder(std::string_view name, std::uint32_t version) const {
+  return version == 0 ? folder(name) : version_file(folder(name), version);
+}
 fs::path ResultFolders::unfinished(const std::string& job) const { return unfinished_folder(results_, job); }
 fs::path ResultFolders::unfinished_export(std::string_view name, const std::string& job) const {
   return unfinished_folder(exports_folder(folder(name)), job);
@@ -163,8 +166,8 @@ Result<std::optional<ResultFolders::Held>> ResultFolders::find(std::string_view 
   return std::optional<Held>();
 }
 
-Result<std::shared_ptr<const Manifest>> ResultFolders::manifest(std::string_view name) {
-  BOOST_OUTCOME_TRY(held, hold(name));
+Result<std::shared_ptr<const Manifest>> ResultFolders::manifest(std::string_view name, std::uint32_t version) {
+  BOOST_OUTCOME_TRY(held, hold(name, version));
   return held.manifest;
 }
 

@@ -32,6 +32,8 @@ class ResultFolders {
   Status open(const std::set<std::string>& jobs);
 
   std::filesystem::path folder(std::string_view name) const;
+  // The path that stands for this version wherever a result is read (named_version()). 0: the newest.
+  std::filesystem::path folder(std::string_view name, std::uint32_t version) const;
   // Where the job makes its triangulation or its export, on the same file system. A change of a result is made in
   // update_run_folder() of unfinished().
   std::filesystem::path unfinished(const std::string& job) const;
@@ -76,7 +78,7 @@ class ResultFolders {
   Reply<proto::TriangulationInfo> info(std::string_view name);
   Reply<ServedFile> file(std::string_view name, std::string_view path);
   // Errors: io when there is no such result; corrupt.
-  Result<std::shared_ptr<const Manifest>> manifest(std::string_view name);
+  Result<std::shared_ptr<const Manifest>> manifest(std::string_view name, std::uint32_t version = 0);
 
   struct Held {
     FileHandle folder;  // open: another result cannot take its place
