@@ -233,7 +233,8 @@ TEST_F(Bounds, EveryKindOfJobLeavesTheReserveOfTheDiskFree) {
 TEST_F(Bounds, AJobOfWhateverKindThatIsStoppedWhileItWritesWritesNoMoreAndLeavesNothing) {
   make_inputs();
   for (const auto& inputs : each_kind()) {
-    if (inputs.has_triangulate() || inputs.has_surface() || inputs.has_update()) continue;  // they keep what they can go on with
+    if (inputs.has_triangulate() || inputs.has_surface() || inputs.has_update())
+      continue;  // they keep what they can go on with
     SCOPED_TRACE(inputs.ShortDebugString());
     Ledger* stopped = nullptr;
     std::uint64_t drawn = 0;

@@ -11,7 +11,6 @@
 #include "src/base/files/there.h"
 #include "src/base/files/update_names.h"
 #include "src/base/json/json_text.h"
-#include "src/base/option.h"
 #include "src/job/engine_steps.h"
 #include "src/job/estimate.h"
 #include "src/job/version.h"
@@ -42,7 +41,7 @@ std::optional<proto::Problem> check_update(const Workshop& shop, const proto::In
   if (!manifest) return problem_of(manifest.error());
   // The sentence names the result as the caller does.
   if (const auto changeable = check_changeable("'" + name + "'", *manifest.value()); !changeable)
-    return problem(400, option("triangulation") + ": " + changeable.error().where, Errc::usage);
+    return problem(400, "triangulation: " + changeable.error().where, Errc::usage);
   if (inputs.update().inputs_size() == 0) return std::nullopt;
   return check_files(shop, inputs.update().inputs(), inputs.update().recursive());
 }

@@ -98,7 +98,7 @@ Status find_parts(const Workshop& shop, const JobWork& work, const TileSource& s
   }
   for (const auto& file : inputs.remove_input()) {
     const auto ids = ids_of_input(source.folder(), manifest, path_in(manifest, shop.roots, file));
-    if (!ids) return error(ids.error().code, option("remove-input") + ": " + ids.error().where);
+    if (!ids) return error(ids.error().code, "remove_input: " + ids.error().where);
     selection.inputs.push_back(ids.value());
   }
   return success();
@@ -116,7 +116,7 @@ Status read_ids(const Workshop& shop, const proto::UpdateInputs& inputs, std::ve
     return read_npy_integers(*file);
   };
   const auto listed = read();
-  if (!listed) return error(listed.error().code, option("remove-ids-file") + ": " + listed.error().where);
+  if (!listed) return error(listed.error().code, "remove_ids_file: " + listed.error().where);
   for (const std::uint64_t id : listed.value()) ids.push_back(PointId{id});
   return success();
 }
@@ -149,12 +149,10 @@ Result<UpdateRequest> update_request(const proto::UpdateInputs& inputs, const Jo
   BOOST_OUTCOME_TRYV(read_place(inputs, request.selection));
   BOOST_OUTCOME_TRYV(read_attributes(inputs, request.selection));
   if (!removes(inputs) && inputs.inputs_size() == 0)
-    return error(Errc::usage, "nothing is to be changed; give " + option("inputs") + " with points to add, or " +
-                                  option("remove-ids") + ", " + option("remove-class") + ", " + option("remove-box") +
-                                  ", " + option("remove-polygon") + ", " + option("remove-time") + " or " +
-                                  option("remove-input"));
-  if (inputs.replace() && inputs.inputs_size() == 0)
-    return refuse_update("replace", "needs new points; give " + option("inputs"));
+    return error(Errc::usage,
+                 "nothing is to be changed; give inputs with points to add, or remove_ids, remove_ids_file, "
+                 "remove_class, remove_box, remove_polygon, remove_time or remove_input");
+  if (inputs.replace() && inputs.inputs_size() == 0) return refuse_update("replace", "needs new points; give inputs");
   if (inputs.has_keep_versions()) {
     constexpr std::uint32_t keep_max = 1'000'000;
     if (inputs.keep_versions() < 1 || inputs.keep_versions() > keep_max)

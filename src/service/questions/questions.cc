@@ -11,7 +11,6 @@
 #include "src/base/files/temporary.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/ledger.h"
-#include "src/base/option.h"
 #include "src/base/random_token.h"
 #include "src/base/stopped.h"
 #include "src/job/arguments.h"
@@ -52,7 +51,7 @@ Result<std::uint32_t> version_asked(const Question& question) {
   const auto found = question.options.find("version");
   if (found == question.options.end()) return 0U;
   const auto number = parse_integer(found->second, 1, std::numeric_limits<std::uint32_t>::max());
-  if (!number) return error(number.error().code, option("version") + ": " + number.error().where);
+  if (!number) return error(number.error().code, "version: " + number.error().where);
   return static_cast<std::uint32_t>(number.value());
 }
 

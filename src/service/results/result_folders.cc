@@ -126,10 +126,11 @@ Result<ResultFolders::Held> ResultFolders::hold(std::string_view name, std::uint
     held.manifest = known_manifest(held.identity);
   };
   const auto file = version == 0 ? manifest_file(out) : version_file(out, version);
-  if (::stat(file.c_str(), &status) == 0) {
+  BOOST_OUTCOME_TRY(found, look_at(file));
+  if (!found && version == 0) return io_error(manifest_file(this->folder(name)), "cannot be read", ENOENT);
+  if (found) {
+    status = *found;
     describe();
-  } else if (version == 0) {
-    return io_error(manifest_file(this->folder(name)), "cannot be read", errno);
   }
   if (held.manifest) return held;
   // A writer may replace the file at any time. The identity must be that of the manifest that is read.
