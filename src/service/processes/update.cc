@@ -79,9 +79,8 @@ Result<std::optional<UpdateJson>> told_of_made(const Workshop& shop, const proto
     return std::optional(std::move(told));
   }
   BOOST_OUTCOME_TRY(versions, tell_versions(shop.results.folder(job.triangulation())));
-  const auto command = ResultFolders::command_of(job);
-  const auto made = std::ranges::find_if(versions.versions,
-                                         [&](const ToldVersion& version) { return version.entry.command == command; });
+  const auto made = std::ranges::find_if(
+      versions.versions, [&](const ToldVersion& version) { return ResultFolders::is_of(version.entry.command, job); });
   if (made == versions.versions.end()) return none;
   const VersionEntry& entry = made->entry;
   told["version"] = entry.version;
@@ -173,7 +172,10 @@ Reply<JobDone> run_update(const Workshop& shop, const JobWork& work) {
   if (!request) return problem_of(request.error());
   auto made = told_of_made(shop, work.job);
   if (!made) return problem_of(made.error());
-  if (made.value()) return JobDone{json_text(*made.value()) + "\n", 0, {}};
+  if (made.value()) {
+    if (const Status gone = shop.results.drop_change(work.job.id()); !gone) work.log(gone.error().where);
+    return JobDone{json_text(*made.value()) + "\n", 0, {}};
+  }
   auto told = change_result(shop, work, request.value());
   if (told) return JobDone{json_text(told.value()) + "\n", 0, {}};
   const auto reason = work.ledger.reason();

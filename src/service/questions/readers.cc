@@ -76,6 +76,11 @@ void Readers::close(std::string_view name) {
   });
 }
 
+void Readers::renew(std::string_view name) {
+  const std::lock_guard lock(mutex_);
+  readers_.remove_if([&](const auto& reader) { return reader->name == name && reader->version == 0; });
+}
+
 std::size_t Readers::count() const {
   const std::lock_guard lock(mutex_);
   return readers_.size();

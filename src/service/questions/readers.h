@@ -41,6 +41,8 @@ class Readers {
   Result<std::shared_ptr<Reader>> open(std::string_view name, std::uint32_t version = 0);
   // Stops the questions that still use the result; then its memory is freed.
   void close(std::string_view name);
+  // Call this when the result has got a new version. Questions to the old version go on, and then its files may go.
+  void renew(std::string_view name);
   std::size_t count() const;
 
  private:

@@ -95,6 +95,12 @@ std::vector<std::string> ResultFolders::command_of(const proto::JobRecord& job) 
   return {program, process_of(job.inputs()), job.id(), job.caller()};
 }
 
+bool ResultFolders::is_of(const std::vector<std::string>& command, const proto::JobRecord& job) {
+  const auto whole = command_of(job);
+  constexpr std::size_t first_words = 3;  // up to the id of the job
+  return command.size() >= first_words && std::equal(whole.begin(), whole.begin() + first_words, command.begin());
+}
+
 Result<ResultFolders::Maker> ResultFolders::maker(std::string_view name) {
   BOOST_OUTCOME_TRY(there, exists(name));
   if (!there) return Maker{};

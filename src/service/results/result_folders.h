@@ -45,6 +45,8 @@ class ResultFolders {
   // The command in the manifest of this job's result. It tells the job and the owner of a result, even when the job is
   // forgotten.
   static std::vector<std::string> command_of(const proto::JobRecord& job);
+  // Whether a command of a log of versions, where long words are shortened, is that of the job.
+  static bool is_of(const std::vector<std::string>& command, const proto::JobRecord& job);
   struct Maker {
     std::string job, owner;  // empty when the manifest does not say, or is damaged
   };
@@ -60,6 +62,8 @@ class ResultFolders {
   // Removes what the job has made and not published: its unfinished folder and that of a change, or that of an export
   // of `exported_from`; of the latter all but the folder or file `but`.
   Status drop_unfinished(const std::string& job);
+  // Removes only what a change of a result has needed.
+  Status drop_change(const std::string& job);
   Status drop_unfinished_export(std::string_view exported_from, const std::string& job,
                                 const std::filesystem::path& but = {});
 

@@ -121,9 +121,10 @@ Status ResultFolders::drop(const fs::path& folder) {
 }
 
 Status ResultFolders::drop_unfinished(const std::string& job) {
-  BOOST_OUTCOME_TRYV(drop(update_run_folder(unfinished(job))));
+  BOOST_OUTCOME_TRYV(drop_change(job));
   return drop(unfinished(job));
 }
+Status ResultFolders::drop_change(const std::string& job) { return drop(update_run_folder(unfinished(job))); }
 Status ResultFolders::drop_unfinished_export(std::string_view exported_from, const std::string& job,
                                              const fs::path& but) {
   const auto folder = unfinished_export(exported_from, job);
