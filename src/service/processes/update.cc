@@ -54,6 +54,7 @@ Error in_words(const Workshop& shop, const proto::JobRecord& job, Error failed) 
       failed.where.replace(at, path.size(), word);
   };
   replace(shop.results.folder(name).string(), "triangulation '" + name + "'");
+  replace(update_run_folder(shop.results.unfinished(job.id())).string(), "the work so far");
   return failed;
 }
 
