@@ -111,6 +111,61 @@ class Client:
             warnings.warn(found["note"], stacklevel=2)
         return measures
 
+    def update(self, name: str, add: Path | typing.Iterable[Path] = (), *, remove_ids: typing.Iterable[int] | str | None = None,
+               remove_class: typing.Iterable[int] | None = None, remove_box: typing.Iterable[float] | None = None,
+               remove_polygon: Path | None = None, remove_time: tuple[float, float] | None = None,
+               remove_input: Path | typing.Iterable[Path] = (), replace: bool = False, output: str | None = None,
+               overwrite: bool = False, keep_versions: int | None = None, dry_run: bool = False, recursive: bool = False,
+               memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None) -> dict[str, typing.Any]:
+        """Lets the daemon remove points of a result and add others, and returns what has changed.
+
+        Until the change is made, everybody reads the version before it. Only the owner of the result or an admin may
+        change it.
+
+        Parameters
+        ----------
+        add
+            Files, folders or patterns of the daemon, as for submit(), whose points are added.
+        remove_class, remove_box, remove_time, remove_input
+            Points that are removed: by LAS class, in a box of 4 or 6 numbers, from the first to the
+            second gps_time, and those that came from these files.
+        remove_ids
+            Source indices, or the name of a NumPy file of the daemon with many of them.
+        remove_polygon
+            A GeoJSON file here: the points in its polygons are removed.
+        replace
+            New points take the places of all points with the same coordinates.
+        output
+            The name of a new result; `overwrite` replaces one of that name. None: the result gets a new version.
+        keep_versions
+            How many of the newest versions stay readable, also after later changes. None: as before, at first 1.
+        dry_run
+            Change nothing, and tell what would change.
+        recursive
+            Also add the files in subfolders.
+
+        Returns a dict of "version", "removed", "added", "first_new_id", "tiles_changed", "vertices", "cells", "digest",
+        ...: those that `tessera update --json` prints.
+        """
+        polygon = None if remove_polygon is None else _polygons("remove_polygon", remove_polygon)
+        named = isinstance(remove_ids, str)
+        options = {"remove_ids_file" if named else "remove_ids": remove_ids, "remove_class": remove_class, "remove_box": remove_box,
+                   "remove_polygon": polygon, "remove_time": remove_time, "replace": replace, "output": output,
+                   "overwrite": overwrite, "keep_versions": keep_versions, "dry_run": dry_run, "recursive": recursive,
+                   "memory": memory}
+        inputs = {"triangulation": name, "inputs": _names(add), "remove_input": _names(remove_input), **_fields(options)}
+        job = self._execute("update", inputs)
+        job.wait(progress)
+        return job.outcome()
+
+    def versions(self, name: str) -> list[dict[str, typing.Any]]:
+        """Returns the versions of a result, the oldest first, each a dict of "version", "time", "readable", "added",
+        "removed", "vertices", "cells", "digest", ..."""
+        try:
+            return list(self._http.ask("GET", f"/triangulations/{quoted(name)}/versions")["versions"])
+        except (KeyError, TypeError):
+            raise self._http.no_tessera() from None
+
     def hag(self, inputs: Path | typing.Iterable[Path], ground: str, folder: Path, *, format: str | None = None,
             outside: float | None = None, replace: bool = False, overwrite: bool = False,
             memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None,

@@ -29,21 +29,24 @@ std::string time_text(std::int64_t seconds) {
   return {buffer.data(), std::strftime(buffer.data(), buffer.size(), "%Y-%m-%dT%H:%M:%SZ", &parts)};
 }
 
-std::string joined(const std::vector<std::string>& words, const char* between) {
+// Words with something between them, without what could control a terminal.
+std::string joined(const Json& words, const char* between) {
   std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
+  for (const auto& word : words) text += (text.empty() ? "" : between) + word.get<std::string>();
+  return printable(text);
 }
 
-// "+3 -1 new.laz", "column area"
-std::string change_of(const VersionEntry& entry) {
-  std::vector<std::string> parts;
-  if (entry.added > 0) parts.push_back("+" + grouped(entry.added));
-  if (entry.removed > 0) parts.push_back("-" + grouped(entry.removed));
-  if (!entry.columns.empty())
-    parts.push_back((entry.columns.size() == 1 ? "column " : "columns ") + joined(entry.columns, ", "));
-  if (parts.empty()) parts.emplace_back("files only");
-  return printable(joined(parts, " "));
+std::uint64_t number(const Json& version, const char* key) { return version.at(key).get<std::uint64_t>(); }
+
+// "+3 -1", "column area"
+std::string change_of(const Json& version) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : " ") + part; };
+  if (number(version, "added") > 0) add("+" + grouped(number(version, "added")));
+  if (number(version, "removed") > 0) add("-" + grouped(number(version, "removed")));
+  const Json& columns = version.at("columns");
+  if (!columns.empty()) add((columns.size() == 1 ? "column " : "columns ") + joined(columns, ", "));
+  return text.empty() ? "files only" : text;
 }
 
 Json to_json(const ToldVersion& version) {
@@ -66,18 +69,18 @@ Json to_json(const ToldVersion& version) {
           {"software_version", entry.software_version}};
 }
 
-VersionRow to_row(const ToldVersion& version) {
-  const VersionEntry& entry = version.entry;
-  return {std::to_string(entry.version),
-          time_text(entry.seconds),
-          change_of(entry),
-          grouped(entry.vertices),
-          grouped(entry.cells),
-          grouped(entry.tiles_written) + " of " + grouped(entry.tiles),
-          human_bytes(entry.bytes_written),
-          entry.digest ? digest_text(*entry.digest) : "",
-          version.readable ? "yes" : "no",
-          printable(joined(entry.command, " "))};
+VersionRow to_row(const Json& version) {
+  const Json& digest = version.at("digest");
+  return {std::to_string(number(version, "version")),
+          printable(version.at("time").get<std::string>()),
+          change_of(version),
+          grouped(number(version, "vertices")),
+          grouped(number(version, "cells")),
+          grouped(number(version, "tiles_written")) + " of " + grouped(number(version, "tiles")),
+          human_bytes(number(version, "bytes_written")),
+          digest.is_null() ? "" : printable(digest.get<std::string>()),
+          version.at("readable").get<bool>() ? "yes" : "no",
+          joined(version.at("command"), " ")};
 }
 
 std::string version_table(const std::vector<VersionRow>& rows) {
@@ -99,19 +102,30 @@ std::string version_table(const std::vector<VersionRow>& rows) {
 
 }  // namespace
 
-Result<std::string> describe_versions(const std::string& folder, bool json) {
+Result<std::string> describe_versions_of(const std::string& folder, const std::string& name) {
   BOOST_OUTCOME_TRY(told, tell_versions(folder));
-  if (json) {
-    Json list = Json::array();
-    for (const auto& version : told.versions) list.push_back(to_json(version));
-    const Json object{
-        {"result", folder}, {"version", told.newest}, {"keep_versions", told.keep}, {"versions", std::move(list)}};
-    return json_text(object) + "\n";
-  }
+  Json list = Json::array();
+  for (const auto& version : told.versions) list.push_back(to_json(version));
+  const Json object{
+      {"result", name}, {"version", told.newest}, {"keep_versions", told.keep}, {"versions", std::move(list)}};
+  return json_text(object) + "\n";
+}
+
+std::optional<std::string> versions_text(const Json& told) {
   std::vector<VersionRow> rows{
       {"version", "time", "change", "vertices", "cells", "tiles written", "bytes", "digest", "readable", "command"}};
-  for (const auto& version : told.versions) rows.push_back(to_row(version));
+  try {
+    for (const auto& version : told.at("versions")) rows.push_back(to_row(version));
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
   return version_table(rows);
+}
+
+Result<std::string> describe_versions(const std::string& folder, bool json) {
+  BOOST_OUTCOME_TRY(text, describe_versions_of(folder, folder));
+  if (json) return text;
+  return versions_text(parse_ordered_json(text)).value();
 }
 
 }  // namespace tessera

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "src/job/report/human.h"
+
 namespace tessera {
 namespace {
 
@@ -9,6 +11,18 @@ std::string text_of(const std::vector<Attribute>& schema) {
   std::string text;
   for (const Attribute& attribute : schema) text += (text.empty() ? "" : ", ") + attribute.name;
   return text.empty() ? "none" : text;
+}
+
+Status check_limits(std::uint64_t points, std::uint64_t bytes, const std::string& name, const NewPointsLimits& limits) {
+  if (points > limits.points)
+    return error(Errc::memory,
+                 name + ": more than " + grouped(limits.points) +
+                     " points, the most that are allowed here, cannot be added at once; add the files one "
+                     "after the other");
+  if (bytes > limits.bytes)
+    return error(Errc::memory, name + ": the new points take more than " + human_bytes(limits.bytes) +
+                                   " of memory, the most that is allowed here; add the files one after the other");
+  return success();
 }
 
 }  // namespace
@@ -26,7 +40,8 @@ CloudOptions options_of_new_points(const Manifest& result, unsigned threads) {
 }
 
 Result<NewPoints> read_new_points(const Cloud& cloud, const std::string& name, const Manifest& result,
-                                  const std::filesystem::path& folder, const std::stop_token& stop) {
+                                  const std::filesystem::path& folder, const std::stop_token& stop,
+                                  const NewPointsLimits& limits) {
   if (cloud.schema() != result.schema)
     return error(Errc::usage, name + ": the new points have other attributes (" + text_of(cloud.schema()) + ") than " +
                                   folder.string() + " (" + text_of(result.schema) + "), or attributes of other types");
@@ -37,7 +52,7 @@ Result<NewPoints> read_new_points(const Cloud& cloud, const std::string& name, c
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while new points were read");
     for (const LocalPoint& p : batch.points) made.points.push_back(p.at);
     made.rows.insert(made.rows.end(), batch.rows.begin(), batch.rows.end());
-    return success();
+    return check_limits(made.points.size(), made.points.size() * sizeof(Point) + made.rows.size(), name, limits);
   };
   std::vector<std::uint64_t> points;
   BOOST_OUTCOME_TRYV(cloud.for_each_batch(cloud.whole(), take, &points));

@@ -149,6 +149,7 @@ Result<std::filesystem::path> Service::Impl::publish(const proto::JobRecord& job
     replaced = old;
     if (!replaced.empty()) questions.close(job.triangulation());
   }
+  if (changes_result(job.inputs())) questions.renew(job.triangulation());
   if (export_output(job.inputs())) {
     BOOST_OUTCOME_TRYV(folders.publish_export(job));
   }

@@ -165,12 +165,8 @@ Status gather(const TileSource& source, const fs::path& run, Built& built, Trian
   return success();
 }
 
-// The stages open the result by its path, which must lead to the version of the source.
-Result<fs::path> path_of(const TileSource& source) {
-  BOOST_OUTCOME_TRY(newest, read_manifest(source.folder()));
-  const std::uint32_t version = source.manifest().version;
-  return newest.version == version ? source.folder() : version_file(source.folder(), version);
-}
+// The stages open the result by its path, perhaps when there is a newer version than that of the source.
+fs::path path_of(const TileSource& source) { return version_file(source.folder(), source.manifest().version); }
 
 }  // namespace
 
@@ -190,8 +186,7 @@ Result<Built> build(const TileSource& source, const SurfaceOptions& options, con
   };
   const bool together = source.tiles() > 1 && manifest.cells <= runner.bytes_of_one() / bytes_a_cell;
   BOOST_OUTCOME_TRYV(begin_run(folder, plan_of(source, options, sensors, prove, together)));
-  BOOST_OUTCOME_TRY(result, path_of(source));
-  BOOST_OUTCOME_TRYV(runner.run(result, folder.run, folder.lock_file, tell(0, steps_part), stop));
+  BOOST_OUTCOME_TRYV(runner.run(path_of(source), folder.run, folder.lock_file, tell(0, steps_part), stop));
   Built built{.triangles = surface_triangles(folder.run), .digest = {}, .sensors = sensors.used(), .rays = {}};
   const TileWork how{options.threads, options.memory_bytes, stop};
   TriangleStore triangles(built.triangles, manifest);

@@ -18,7 +18,7 @@ class Api(serving.ServerTest):
             ("GET", "/"): ["/"], ("GET", "/v1"): ["/v1"], ("GET", "/v1/api"): ["/v1/api"],
             ("GET", "/v1/conformance"): ["/v1/conformance"], ("GET", "/v1/processes"): ["/v1/processes"],
             ("GET", "/v1/processes/{process}"): [f"/v1/processes/{name}" for name in
-                                                 ("triangulate", "region", "verify", "export", "dem", "contours", "surface", "alpha", "voronoi", "density", "volume", "measure",
+                                                 ("triangulate", "region", "verify", "export", "dem", "contours", "surface", "alpha", "voronoi", "density", "volume", "measure", "update",
                                                   "hag", "info", "none")],
             ("POST", "/v1/processes/{process}/execution"): ["/v1/processes/triangulate/execution",
                                                             "/v1/processes/info/execution"],
@@ -34,6 +34,7 @@ class Api(serving.ServerTest):
             ("GET", "/v1/triangulations"): ["/v1/triangulations?limit=1"],
             ("GET", "/v1/inputs"): ["/v1/inputs", "/v1/inputs?folder=none&limit=1", "/v1/inputs?limit=x"],
             ("GET", "/v1/triangulations/{triangulation}"): ["/v1/triangulations/block", "/v1/triangulations/none"],
+            ("GET", "/v1/triangulations/{triangulation}/versions"): ["/v1/triangulations/block/versions", "/v1/triangulations/none/versions"],
             ("GET", "/v1/triangulations/{triangulation}/exports"): ["/v1/triangulations/block/exports", "/v1/triangulations/none/exports"],
             ("DELETE", "/v1/triangulations/{triangulation}"): ["/v1/triangulations/block"],
             ("DELETE", files): ["/v1/triangulations/block/files/exports/mesh.ply",

@@ -242,6 +242,11 @@ Reply<proto::TriangulationInfo> FakeBackend::info(std::string_view name) {
   return info;
 }
 
+Reply<std::string> FakeBackend::versions(std::string_view name) {
+  if (name != "block") return refused(404, "there is no such triangulation");
+  return std::string(R"({"result":"block","version":1,"keep_versions":1,"versions":[]})") + "\n";
+}
+
 Reply<ServedFile> FakeBackend::file(std::string_view name, std::string_view path) {
   if (name != "block" || path != "deep/tile.vtu") return refused(404, "there is no such file");
   return open(folder_ / "block" / "deep" / "tile.vtu", "application/xml", "\"xxh3-0123\"");

@@ -60,6 +60,7 @@ class FakeBackend final : public ProcessesBackend,
   Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) override;
   Reply<proto::TriangulationList> list(std::uint32_t limit, std::string_view after) override;
   Reply<proto::TriangulationInfo> info(std::string_view name) override;
+  Reply<std::string> versions(std::string_view name) override;
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove(std::string_view name, const Caller& caller) override;
   Reply<proto::ExportList> exports(std::string_view name, std::uint32_t limit, std::string_view after) override;

@@ -1,7 +1,9 @@
-"""verify, measure, export, hag, voronoi, density, alpha, volume, info and upload of a daemon: what is sent, what comes back, and what is raised."""
+"""verify, measure, update, export, hag, voronoi, density, alpha, volume, info and upload of a daemon: what is sent, what comes back, and what is raised."""
 import os
 import pathlib
 import unittest
+
+import numpy as np
 
 import tessera
 
@@ -74,6 +76,24 @@ class Work(ClientTest):
         self.end({"event": "measured"})
         with self.assertRaises(tessera.Error):
             self.client.measure("block", quality=True)
+
+    def test_changes_send_what_is_given_and_tell_what_has_changed(self):
+        told = {"event": "updated", "output": "block", "version": 2, "removed": 3}
+        self.end(told)
+        (self.folder / "area.geojson").write_text('{"type": "Polygon", "coordinates": []}')
+        made = self.client.update("block", ["a.laz", pathlib.Path("b.laz")], remove_ids=np.array([1, 2], np.uint64), remove_class=[7],
+                                  remove_box=(0, 0, 1, 1), remove_polygon=self.folder / "area.geojson", remove_time=(1, 2.5),
+                                  remove_input="old.laz", replace=True, keep_versions=3, memory="2G")
+        self.assertEqual(made, told)
+        self.assertEqual(self.server.jobs["j1"].inputs, {
+            "triangulation": "block", "inputs": ["a.laz", "b.laz"], "remove_input": ["old.laz"], "remove_ids": [1, 2],
+            "remove_class": [7], "remove_box": [0, 0, 1, 1], "remove_polygon": '{"type": "Polygon", "coordinates": []}',
+            "remove_time": [1, 2.5], "replace": True, "overwrite": False, "keep_versions": 3, "dry_run": False,
+            "recursive": False, "memory": "2G"})
+        self.client.update("block", remove_ids="upload:mine/ids.npy", output="next", overwrite=True)
+        sent = self.server.jobs["j2"].inputs
+        self.assertEqual((sent["remove_ids_file"], sent["output"], sent["overwrite"]), ("upload:mine/ids.npy", "next", True))
+        self.assertNotIn("remove_ids", sent)
 
     def test_copies_with_heights_arrive_and_are_gone_there(self):
         cloud = pathlib.Path(__file__).resolve().parents[1] / "data" / "clouds" / "pdal_mvk_thin.las"

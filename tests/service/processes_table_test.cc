@@ -77,6 +77,19 @@ TEST(ProcessesTable, TellsWhatInputsReadAndMake) {
   EXPECT_EQ(result_read(inputs), "before");
   EXPECT_EQ(second_result_read(inputs), "after");
   EXPECT_EQ(export_output(inputs), "volumes.csv");
+  auto& update = *inputs.mutable_update();
+  update.set_triangulation("block");
+  EXPECT_TRUE(changes_result(inputs));
+  EXPECT_FALSE(makes_result(inputs));
+  EXPECT_EQ(second_result_read(inputs), "");
+  update.set_output("next");
+  EXPECT_FALSE(changes_result(inputs));
+  EXPECT_TRUE(makes_result(inputs));
+  EXPECT_EQ(result_output(inputs), "next");
+  EXPECT_EQ(second_result_read(inputs), "block");
+  update.set_dry_run(true);
+  EXPECT_FALSE(changes_result(inputs) || makes_result(inputs));
+  EXPECT_EQ(export_output(inputs), std::nullopt);
   for (const char* name : {"alpha", "density", "voronoi"})
     EXPECT_EQ(find_process(name)->makes, Process::Makes::file) << name;
 }

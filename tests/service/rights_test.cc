@@ -125,7 +125,7 @@ TEST_F(Rights, ToAddColumnsTakesTheRightToRemoveTheResult) {
   measured.mutable_measure()->set_volume(true);
   const auto problem = refused(measured, bob);
   EXPECT_EQ(problem.status(), 403);
-  EXPECT_EQ(problem.detail(), "triangulation: only the owner of 'hers' or an admin may add columns to it");
+  EXPECT_EQ(problem.detail(), "triangulation: only the owner of 'hers' or an admin may change it");
   EXPECT_EQ(ended(submit(measured)).status(), "successful");
   EXPECT_EQ(ended(submit(measured, admin)).status(), "successful") << "they are there already";
   EXPECT_TRUE(service->results().remove("hers", alice)) << "it is still hers";

@@ -193,6 +193,9 @@ Result<Wanted> plan_change(const fs::path& result, const ResultChange& change, c
   return Wanted{std::move(target.version), std::move(source), std::move(partition), std::move(plan), anew};
 }
 
+// The stages open the result by its path, perhaps when there is a newer version.
+fs::path path_of(const TileSource& source) { return version_file(source.folder(), source.manifest().version); }
+
 const char* kind_of(const Wanted& wanted) {
   return wanted.anew || wanted.plan.removed.empty() ? kind_of_update : kind_of_update_with_holes;
 }
@@ -206,9 +209,9 @@ Result<Updated> try_update(const Wanted& wanted, const UpdateOptions& options, S
     for (const TileEntry& entry : wanted.source.manifest().tiles) updated.old_bytes += entry.bytes;
     return updated;
   }
-  BOOST_OUTCOME_TRY(run, TemporaryFolder::make());
+  BOOST_OUTCOME_TRY(run, options.run.empty() ? TemporaryFolder::make() : TemporaryFolder::make(options.run));
   BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
-  BOOST_OUTCOME_TRYV(runner.run(kind_of(wanted), wanted.source.folder(), run.path(), {}, options.progress, stop));
+  BOOST_OUTCOME_TRYV(runner.run(kind_of(wanted), path_of(wanted.source), run.path(), {}, options.progress, stop));
   BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
   return counted(ends, wanted);
 }
@@ -233,11 +236,12 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
                        StagesRunner& runner, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(wanted, plan_change(result, change, options, stop));
   if (options.dry_run) return try_update(wanted, options, runner, stop);
-  const fs::path run_path = update_run_folder(options.to.empty() ? result : options.to);
+  const fs::path beside = update_run_folder(options.to.empty() ? result : options.to);
+  const fs::path run_path = options.run.empty() ? beside : options.run;
   BOOST_OUTCOME_TRY(run, RunFolder::claim(run_path, "the new result", options.resume, options.lock));
   BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
   BOOST_OUTCOME_TRYV(
-      runner.run(kind_of(wanted), wanted.source.folder(), run.path(), run.lock_file(), options.progress, stop));
+      runner.run(kind_of(wanted), path_of(wanted.source), run.path(), run.lock_file(), options.progress, stop));
   BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
   Updated updated = counted(ends, wanted);
   BOOST_OUTCOME_TRY(made, store(run.path(), wanted, ends, change, options, stop));

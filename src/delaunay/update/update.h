@@ -46,12 +46,17 @@ struct UpdateOptions {
   unsigned threads = 1;         // that read source indices
   // Whether to continue what an earlier process has begun, and to leave what is done when this process is interrupted.
   bool resume = false;
+  // The run folder, in the file system of the new result; in a dry run it must not exist. Empty: update_run_folder() of
+  // the new result, and in a dry run a temporary folder.
+  std::filesystem::path run = {};
   LockOptions lock = {};
   std::function<void(double)> progress = {};  // is told how much is done, from 0 to 1
   UpdateWay way = UpdateWay::cheapest;
   bool dry_run = false;                   // only find out what would change
-  std::vector<std::string> command = {};  // for the manifest
-  std::string software_version = {};      // for the manifest
+  std::vector<std::string> command = {};  // for the manifest, and for the log of versions
+  // The manifest keeps the command that made the result, and only the log gets the new one.
+  bool keep_command = false;
+  std::string software_version = {};  // for the manifest
   // Of the new points, for the manifest. Their source indices count from 0, the first new point.
   std::vector<Manifest::Input> inputs = {};
 };
@@ -78,7 +83,7 @@ Status check_changeable(const std::filesystem::path& result, const Manifest& man
 // Makes the new result. In a new folder, tiles that have not changed are hard links to the old files, and the old
 // result stays as it is. Otherwise the result gets a new version: whoever reads the result keeps the version that he
 // has opened, and an end of this process at any moment leaves the old version or the new one. What is made is in the
-// run folder update_run_folder() until it is whole. `runner` runs jobs of the kind kind_of_update.
+// run folder until it is whole. `runner` runs jobs of the kind kind_of_update.
 // Errors: usage when the result cannot be changed in this way, when a point to be removed does not exist, when the
 // points that are left do not span space, when the folder exists, when another process changes the result, or has
 // changed it since points were chosen, or when what an earlier process has begun is another change; those of TileSource

@@ -120,7 +120,7 @@ Result<Bounds> UpdatedResult::bounds() const {
 
 // Removed points count as filtered: they were read, and no vertex stands for them.
 void UpdatedResult::describe(Manifest& manifest) const {
-  if (!options_.command.empty()) manifest.command = options_.command;
+  if (!options_.command.empty() && !options_.keep_command) manifest.command = options_.command;
   if (!options_.software_version.empty()) manifest.software_version = options_.software_version;
   const auto added = inputs();
   manifest.inputs.insert(manifest.inputs.end(), added.begin(), added.end());

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/json/json_text.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
 #include "src/job/report/human.h"
@@ -31,6 +32,11 @@ bool read(const Json& object, const char* key, std::string& value) {
 bool is_event(const Json& object, const char* event) {
   std::string told;
   return read(object, "event", told) && told == event;
+}
+
+std::string count(const Json& object, const char* key) {
+  std::uint64_t value = 0;
+  return read(object, key, value) ? grouped(value) : "?";
 }
 
 }  // namespace
@@ -154,6 +160,40 @@ std::optional<std::vector<HeightsFile>> heights_of(const Json& outcome) {
     files.push_back(std::move(file));
   }
   return files;
+}
+
+bool is_updated(const Json& outcome) { return is_event(outcome, "updated") || is_event(outcome, "would_update"); }
+
+void print_updated(const Json& told, const OutputOptions& output) {
+  if (output.json) {
+    std::printf("%s\n", json_text(told).c_str());
+    return;
+  }
+  if (output.quiet) return;
+  const bool dry = is_event(told, "would_update");
+  const char* were = dry ? "would be" : "were";
+  if (told.contains("removed"))
+    say("%s points %s removed, %s added (%s of them equal to other points)\n", count(told, "removed").c_str(), were,
+        count(told, "added").c_str(), count(told, "duplicates").c_str());
+  std::string way;
+  if (read(told, "way", way) && way == "anew") {
+    say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n", were);
+  } else if (!way.empty()) {
+    say("%s tiles %s triangulated again, and %s of them %s\n", count(told, "tiles_awake").c_str(), were,
+        count(told, "tiles_changed").c_str(), dry ? "would change" : "have changed");
+  }
+  if (dry) {
+    std::uint64_t bytes = 0;
+    const auto seconds = told.find("seconds");
+    if (read(told, "bytes", bytes) && seconds != told.end() && seconds->is_number())
+      say("about %s would be written, in about %s\n", human_bytes(bytes).c_str(),
+          human_seconds(seconds->get<double>()).c_str());
+    return;
+  }
+  std::string name;
+  if (read(told, "output", name))
+    say("%s, version %s: %s vertices, %s cells in %s tiles\n", name.c_str(), count(told, "version").c_str(),
+        count(told, "vertices").c_str(), count(told, "cells").c_str(), count(told, "tiles").c_str());
 }
 
 std::optional<Measured> measured_of(const Json& outcome) {

@@ -1,4 +1,5 @@
-// Prints the outcome of verify, export, hag and measure. The text is the same for work of this process and of a daemon.
+// Prints the outcome of verify, export, hag, measure and update. The text is the same for work of this process and of a
+// daemon.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -25,6 +26,9 @@ void print_exported(const Exported& exported, const std::string& limits, const O
 void print_heights(const std::string& folder, const std::vector<HeightsFile>& files, std::optional<bool> outside,
                    const OutputOptions& output);
 void print_measured(const Measured& measured, const OutputOptions& output);
+// `told`: the members that print_updated() needs and that are missing are left out of the text.
+void print_updated(const nlohmann::ordered_json& told, const OutputOptions& output);
+bool is_updated(const nlohmann::ordered_json& outcome);
 
 // These read the outcome in a daemon's JSON object; no value if the object is something else.
 std::optional<VerifyReport> verified_of(const nlohmann::ordered_json& outcome);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,14 +13,15 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/json/json_text.h"
 #include "src/delaunay/update/select_points.h"
 #include "src/front/apps/command.h"
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/log.h"
 #include "src/front/apps/machine_options.h"
+#include "src/front/apps/outcome.h"
 #include "src/front/apps/percent_line.h"
-#include "src/front/apps/say.h"
+#include "src/front/apps/remote_update.h"
+#include "src/front/apps/server_options.h"
 #include "src/front/apps/update_command.h"
 #include "src/front/apps/version_option.h"
 #include "src/input/bytes/byte_source.h"
@@ -31,7 +31,6 @@
 #include "src/job/engine_steps.h"
 #include "src/job/estimate.h"
 #include "src/job/new_points.h"
-#include "src/job/report/human.h"
 #include "src/job/version.h"
 #include "src/result/store/digest.h"
 #include "src/result/tile_source.h"
@@ -79,16 +78,6 @@ fs::path written_to(const AskedUpdate& request) {
   return request.options.to.empty() ? request.result : request.options.to;
 }
 
-// "A..B", of numbers.
-Result<PointSelection::Times> parse_times(const std::string& text) {
-  const std::size_t dots = text.find("..");
-  if (dots == std::string::npos) return error(Errc::usage, "'" + text + "' is no interval of times like 100.5..200");
-  BOOST_OUTCOME_TRY(from, parse_finite(text.substr(0, dots)));
-  BOOST_OUTCOME_TRY(to, parse_finite(text.substr(dots + 2)));
-  if (from <= to) return PointSelection::Times{from, to};
-  return error(Errc::usage, "'" + text + "' is no interval of times: its end is before its begin");
-}
-
 Result<AskedUpdate> read_request(Settings& settings, const UpdateFiles& files) {
   if (files.result.empty()) return error(Errc::usage, "no result folder is given; try 'tessera update --help'");
   AskedUpdate request{.result = files.result, .files = files, .box = settings.text("remove-box")};
@@ -98,7 +87,7 @@ Result<AskedUpdate> read_request(Settings& settings, const UpdateFiles& files) {
   BOOST_OUTCOME_TRY(classes, settings.get("remove-class", [](const std::string& text) { return parse_classes(text); }));
   request.selection.classes = classes.value_or(std::vector<int>{});
   BOOST_OUTCOME_TRY(times, settings.get("remove-time", parse_times));
-  request.selection.times = times;
+  if (times) request.selection.times = PointSelection::Times{times->first, times->second};
   BOOST_OUTCOME_TRY(replace, settings.on("replace"));
   request.replace = replace;
   BOOST_OUTCOME_TRY(dry_run, settings.on("dry-run"));
@@ -191,58 +180,39 @@ double seconds_of(const AskedUpdate& request, const Updated& updated) {
       .seconds;
 }
 
-void print(const AskedUpdate& request, const ResultChange& change, const Updated& updated) {
+// All that is told of the change.
+nlohmann::ordered_json told_of(const AskedUpdate& request, const ResultChange& change, const Updated& updated) {
   const bool dry = request.options.dry_run;
-  const double seconds = seconds_of(request, updated);
-  if (request.output.json) {
-    nlohmann::ordered_json told{{"event", dry ? "would_update" : "updated"}};
-    if (!dry) told["output"] = written_to(request).string();
-    if (!dry) told["version"] = updated.version;
-    told["removed"] = updated.removed;
-    told["added"] = change.add.size();
-    told["first_new_id"] = updated.first_new;
-    told["duplicates"] = updated.duplicates;
-    told["way"] = updated.anew ? "anew" : "exchange";
-    told["tiles_begun"] = updated.begun;
-    told["tiles_awake"] = updated.awake;
-    told["tiles_changed"] = updated.written;
-    told["points_sent"] = updated.exchange.sent;
-    if (dry) {
-      told["bytes"] = updated.old_bytes;
-      told["seconds"] = seconds;
-    }
-    if (!dry) {
-      told["tiles"] = updated.tiles;
-      told["vertices"] = updated.vertices;
-      told["cells"] = updated.cells;
-      if (updated.digest) told["digest"] = digest_text(*updated.digest);
-    }
-    std::printf("%s\n", json_text(told).c_str());
-    return;
-  }
-  if (request.output.quiet) return;
-  say("%s points %s removed, %s added (%s of them equal to other points)\n", grouped(updated.removed).c_str(),
-      dry ? "would be" : "were", grouped(change.add.size()).c_str(), grouped(updated.duplicates).c_str());
-  if (updated.anew) {
-    say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n",
-        dry ? "would be" : "were");
-  } else {
-    say("%s tiles %s triangulated again, and %s of them %s\n", grouped(updated.awake).c_str(),
-        dry ? "would be" : "were", grouped(updated.written).c_str(), dry ? "would change" : "have changed");
-  }
+  nlohmann::ordered_json told{{"event", dry ? "would_update" : "updated"}};
+  if (!dry) told["output"] = written_to(request).string();
+  if (!dry) told["version"] = updated.version;
+  told["removed"] = updated.removed;
+  told["added"] = change.add.size();
+  told["first_new_id"] = updated.first_new;
+  told["duplicates"] = updated.duplicates;
+  told["way"] = updated.anew ? "anew" : "exchange";
+  told["tiles_begun"] = updated.begun;
+  told["tiles_awake"] = updated.awake;
+  told["tiles_changed"] = updated.written;
+  told["points_sent"] = updated.exchange.sent;
   if (dry) {
-    say("about %s would be written, in about %s\n", human_bytes(updated.old_bytes).c_str(),
-        human_seconds(seconds).c_str());
-    return;
+    told["bytes"] = updated.old_bytes;
+    told["seconds"] = seconds_of(request, updated);
+    return told;
   }
-  say("%s, version %s: %s vertices, %s cells in %s tiles\n", written_to(request).c_str(),
-      std::to_string(updated.version).c_str(), grouped(updated.vertices).c_str(), grouped(updated.cells).c_str(),
-      grouped(updated.tiles).c_str());
+  told["tiles"] = updated.tiles;
+  told["vertices"] = updated.vertices;
+  told["cells"] = updated.cells;
+  if (updated.digest) told["digest"] = digest_text(*updated.digest);
+  return told;
 }
 
 Status run_update(Settings& settings, const UpdateFiles& files, const std::vector<std::string>& command_line) {
   BOOST_OUTCOME_TRY(request, read_request(settings, files));
   if (request.output.verbose) log_everything();
+  if (names_server(settings))
+    return update_remotely(settings, {files.result, files.add, files.polygons, files.inputs}, request.output);
+  BOOST_OUTCOME_TRYV(refuse_detach(settings));
   request.options.command = command_line;
   request.options.software_version = version();
   const Interrupt interrupt;
@@ -258,23 +228,25 @@ Status run_update(Settings& settings, const UpdateFiles& files, const std::vecto
   auto result_of_change = update_result(request.result, change, request.options, stages, interrupt.token());
   clear_line(request.output);
   BOOST_OUTCOME_TRY(updated, std::move(result_of_change));
-  print(request, change, updated);
+  print_updated(told_of(request, change, updated), request.output);
   return success();
 }
 
 }  // namespace
 
 Command add_update(CLI::App& root) {
-  auto command = new_command(root, "update", "Removes points of a result and adds others, at the cost of what changes",
-                             "  tessera update out/ --add 'new/*.laz'\n"
-                             "  tessera update out/ --add 'new/*.laz' -o next/           (out/ stays as it is)\n"
-                             "  tessera update out/ --remove-ids ids.npy                 (source indices)\n"
-                             "  tessera update out/ --remove-class 7,18 --keep-versions 5\n"
-                             "  tessera update out/ --remove-box 0,0,50,50 --add plot.laz\n"
-                             "  tessera update out/ --remove-input old.laz --add new.laz -o next/\n"
-                             "  tessera update out/ --remove-polygon site.geojson --remove-time 1000..2000 -o next/\n"
-                             "  tessera update out/ --add corrected.laz --replace -o next/\n"
-                             "  tessera update out/ --remove-class 7 --dry-run           (tells what would change)");
+  auto command =
+      new_command(root, "update", "Removes points of a result and adds others, at the cost of what changes",
+                  "  tessera update out/ --add 'new/*.laz'\n"
+                  "  tessera update out/ --add 'new/*.laz' -o next/           (out/ stays as it is)\n"
+                  "  tessera update out/ --remove-ids ids.npy                 (source indices)\n"
+                  "  tessera update out/ --remove-class 7,18 --keep-versions 5\n"
+                  "  tessera update out/ --remove-box 0,0,50,50 --add plot.laz\n"
+                  "  tessera update out/ --remove-input old.laz --add new.laz -o next/\n"
+                  "  tessera update out/ --remove-polygon site.geojson --remove-time 1000..2000 -o next/\n"
+                  "  tessera update out/ --add corrected.laz --replace -o next/\n"
+                  "  tessera update out/ --remove-class 7 --dry-run           (tells what would change)\n"
+                  "  tessera update NAME --add 'new/*.laz' --server http://127.0.0.1:7070     (by a daemon)");
   auto files = std::make_shared<UpdateFiles>();
   add_value(command, "output", "FOLDER",
             "make a new result in this folder, and leave the given one as it is; default: a new version of it", 'o',
@@ -286,8 +258,10 @@ Command add_update(CLI::App& root) {
   add_values(command, "add", "FILES", files->add,
              "add all points of these files: a file, a folder or a pattern; may be given several times");
   add_switch(command, "replace", "new points take the places of all points with the same coordinates", 0, true);
-  add_value(command, "remove-ids", "FILE", "remove the points with these source indices: a NumPy list of integers", 0,
-            true);
+  add_value(
+      command, "remove-ids", "FILE",
+      "remove the points with these source indices: a NumPy list of integers; with --server also upload:NAME/FILE", 0,
+      true);
   add_value(command, "remove-class", "LIST", "remove the points of these LAS classes, for example 7,18", 0, true);
   add_value(command, "remove-box", "BOX",
             "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: remove the points inside", 0, true);
@@ -304,8 +278,9 @@ Command add_update(CLI::App& root) {
       0, true);
   add_memory_option(command, "tiles");
   add_threads_option(command);
+  add_remote_options(command);
   add_output_switches(command);
-  add_argument(command, "result", "FOLDER", files->result, "result folder");
+  add_argument(command, "result", "FOLDER", files->result, "result folder; with --server, the name of a result");
   command.run = [settings = command.settings.get(), files](const std::vector<std::string>& command_line) {
     return run_update(*settings, *files, command_line);
   };

@@ -12,8 +12,8 @@
 namespace tessera::apps {
 
 void add_version_option(Command& command);
-// Returns the path that stands for this folder's version (named_version()): the folder itself without the option. Error
-// usage also with --server, because a daemon answers from the newest version.
+// Returns the path that stands for this folder's version (named_version()): the folder itself without the option, and
+// with --server, because the daemon gets the option. Error usage.
 Result<std::string> at_version(const Settings& settings, const std::string& folder);
 
 // For LockOptions::locked: waits until the other process gives up the lock, or a stop is requested.

@@ -13,6 +13,7 @@
 
 #include "src/base/files/names.h"
 #include "src/front/apps/command.h"
+#include "src/front/apps/remote_update.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
 #include "src/front/apps/update_command.h"
@@ -28,6 +29,7 @@ constexpr const char* key = "version";
 Status run_log(Settings& settings, const std::string& folder) {
   if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera log --help'");
   BOOST_OUTCOME_TRY(json, settings.on("json"));
+  if (names_server(settings)) return log_remotely(settings, folder, json);
   BOOST_OUTCOME_TRY(text, describe_versions(folder, json));
   say_whole(text, json);
   return success();
@@ -43,11 +45,7 @@ Result<std::string> at_version(const Settings& settings, const std::string& fold
   BOOST_OUTCOME_TRY(version, settings.get(key, [](const std::string& text) {
     return parse_integer(text, 1, std::numeric_limits<std::uint32_t>::max());
   }));
-  if (!version) return folder;
-  if (names_server(settings))
-    return error(Errc::usage,
-                 "--version: a daemon answers from the newest version of a result; read an older one from "
-                 "its folder");
+  if (!version || names_server(settings)) return folder;
   return version_file(folder, static_cast<std::uint32_t>(*version)).string();
 }
 
@@ -66,8 +64,10 @@ Command add_log(CLI::App& root) {
   auto command = new_command(root, "log", "Lists the versions of a result: when, what changed, how much was written",
                              "  tessera log out/\n"
                              "  tessera log out/ --json\n"
+                             "  tessera log NAME --server http://127.0.0.1:7070         (a result of a daemon)\n"
                              "  tessera dem out/ --version 3 --res 1 -o before.tif      (reads an older version)");
   add_switch(command, "json", "one JSON object on stdout, instead of text");
+  add_server_options(command);
   auto folder = std::make_shared<std::string>();
   add_argument(command, "result", "FOLDER", *folder, "result folder");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {

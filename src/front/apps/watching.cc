@@ -120,6 +120,8 @@ Status show_outcome(client::Server& server, const proto::StatusInfo& job, const 
     print_heights(job.triangulation(), *heights, std::nullopt, output);
   } else if (measured) {
     print_measured(*measured, output);
+  } else if (is_updated(outcome)) {
+    print_updated(outcome, output);
   } else if (described) {
     say_whole(*described, false);
   } else {

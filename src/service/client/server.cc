@@ -203,6 +203,13 @@ Result<nlohmann::ordered_json> Server::outcome(const std::string& id, const std:
   return std::move(outcome["value"]);
 }
 
+Result<nlohmann::ordered_json> Server::versions(const std::string& name, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(answer, ask({.target = target("/triangulations/" + percent_encoded(name) + "/versions")}, stop));
+  auto versions = parse_ordered_json(answer.body);
+  if (!versions.is_object()) return no_tessera();
+  return versions;
+}
+
 Result<std::vector<proto::TriangulationInfo>> Server::triangulations(const std::stop_token& stop) {
   return ask_for_all<proto::TriangulationList, proto::TriangulationInfo>(target("/triangulations"), SIZE_MAX, stop);
 }

@@ -69,6 +69,8 @@ class Server {
   // Nothing when there is no triangulation of this name.
   Result<std::optional<proto::TriangulationInfo>> triangulation(const std::string& name, const std::stop_token& stop);
   // The entries of a folder that jobs may read, by name; "": the entries of all roots.
+  // The versions of a result, as `tessera log --json` prints them.
+  Result<nlohmann::ordered_json> versions(const std::string& name, const std::stop_token& stop);
   Result<std::vector<proto::InputInfo>> inputs(const std::string& folder, const std::stop_token& stop);
   // The nodes that work on jobs, in the order in which they joined.
   Result<std::vector<proto::NodeInfo>> nodes(const std::stop_token& stop);

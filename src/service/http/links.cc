@@ -66,6 +66,8 @@ void Links::add(const Request& request, proto::TriangulationInfo& triangulation)
                                     json, "Its manifest, which names its files");
   *triangulation.add_links() = link(request, file_path(triangulation.name(), master_file({}).string()), "item",
                                     "application/xml", "Its master file, for ParaView");
+  *triangulation.add_links() =
+      link(request, self + "/versions", "version-history", json, "Its versions, and what has changed it");
   *triangulation.add_links() = link(request, self + "/exports", "exports", json, "What it was made into");
 }
 

@@ -45,6 +45,7 @@ Answer answer_of(QuestionAnswer found) {
     answer.body = std::move(found.text);
   }
   answer.headers.emplace_back("Tessera-Final", found.final ? "true" : "false");
+  answer.headers.emplace_back("Tessera-Version", std::to_string(found.version));
   return answer;
 }
 
@@ -110,6 +111,7 @@ Route route(const char* method, const char* path, const char* name, const char* 
              std::move(handler),
              std::move(query)};
   made.runs = Runs::questions;
+  made.query.push_back({"version", "integer", "The version of the result, if it is still kept; default: the newest"});
   if (made.method == "GET") made.responses.push_back({304, "", "", "The answer is the one that If-None-Match names"});
   return made;
 }

@@ -42,6 +42,12 @@ Answer triangulation(const Call& call) {
   return message_answer(call.request, 200, found.value());
 }
 
+Answer versions(const Call& call) {
+  Reply<std::string> found = call.context.backend->results.versions(call.arguments[0]);
+  if (!found) return problem(found.error());
+  return json_answer(200, std::move(found).value());
+}
+
 Answer remove(const Call& call) {
   const Reply<void> removed = call.context.backend->results.remove(call.arguments[0], call.request.caller);
   return removed ? no_content() : problem(removed.error());
@@ -143,6 +149,13 @@ void add_result_routes(std::vector<Route>& routes) {
                     "A result",
                     {{200, json, "TriangulationInfo", "The result"}},
                     triangulation});
+  routes.push_back({"GET",
+                    "/v1/triangulations/{triangulation}/versions",
+                    Role::read,
+                    "listVersions",
+                    "The versions of a result: when each was made, and what it added and removed",
+                    {{200, json, "Document", "The versions, as tessera log prints them"}},
+                    versions});
   routes.push_back({"DELETE",
                     "/v1/triangulations/{triangulation}",
                     Role::submit,

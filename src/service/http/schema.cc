@@ -104,6 +104,7 @@ const std::map<std::string, std::vector<std::string>>& required_fields() {
       {"SurfaceInputs", {"triangulation"}},
       {"HagInputs", {"inputs", "triangulation"}},
       {"MeasureInputs", {"triangulation"}},
+      {"UpdateInputs", {"triangulation"}},
       {"VoronoiInputs", {"triangulation", "output"}},
       {"DensityInputs", {"triangulation", "output", "res"}},
       {"AlphaInputs", {"triangulation", "output"}},

@@ -114,15 +114,19 @@ std::optional<proto::Problem> Admission::beside_others(const proto::JobRecord& j
       bytes_of_caller += other.record.inputs().ByteSizeLong();
     }
     const auto& others_name = other.record.triangulation();
-    if (!second.empty() && others_name == second && makes_result(other.record.inputs())) return works_on(second, id);
+    const auto& others = other.record.inputs();
+    // A job that makes a result of another one needs that one to stay as it is.
+    const bool replaces_second = makes_result(others) || (makes_result(inputs) && changes_result(others));
+    if (!second.empty() && others_name == second && replaces_second) return works_on(second, id);
     if (name.empty()) continue;
-    if (makes_result(inputs) && second_result_read(other.record.inputs()) == name) return works_on(name, id);
+    const bool replaces = makes_result(inputs) || (makes_result(others) && changes_result(inputs));
+    if (replaces && second_result_read(others) == name) return works_on(name, id);
     if (others_name != name) continue;
-    // A job that makes a triangulation must be alone on it. Others may read it together, also while one of them adds
-    // columns, because those become a new version; but they may not write the same export.
+    // A job that makes a triangulation must be alone on it. Others may read it together, also while one of them changes
+    // it, because the change becomes a new version; but they may not write the same export.
     if (makes_result(inputs) || makes_result(other.record.inputs())) return works_on(name, id);
     if (changes_result(inputs) && changes_result(other.record.inputs()))
-      return clash("triangulation '" + name + "': job " + id + " adds columns to it; wait for that job to end");
+      return clash("triangulation '" + name + "': job " + id + " changes it; wait for that job to end");
     if (output && export_output(other.record.inputs()) == output)
       return clash("output: job " + id + " already writes the export '" + *output +
                    "'; wait for that job, or choose another name");
@@ -169,8 +173,7 @@ std::optional<proto::Problem> Admission::in_its_place(const proto::JobRecord& jo
     const auto owner = owner_of_result(name);
     if (!owner) return problem_of(owner.error());
     if (may_remove(owner.value(), caller)) return std::nullopt;
-    return problem(403, "triangulation: only the owner of '" + name + "' or an admin may add columns to it",
-                   Errc::usage);
+    return problem(403, "triangulation: only the owner of '" + name + "' or an admin may change it", Errc::usage);
   }
   const auto output = export_output(inputs);
   const auto taken = output ? folders_.export_exists(name, *output) : Result<bool>(false);

@@ -23,13 +23,13 @@ std::optional<proto::Problem> check_contour_options(const proto::Inputs& inputs,
 Reply<proto::Estimate> estimate_contours(const Workshop& shop, const proto::Inputs& inputs,
                                          std::optional<proto::Problem>& refused) {
   const std::string name = result_read(inputs);
-  const auto manifest = shop.results.manifest(name);
+  const auto manifest = shop.results.manifest(name, version_read(inputs));
   if (!manifest) return problem_of(manifest.error());
   const auto options = contour_options(inputs.contours(), shop.share);
   if (!options) return problem_of(options.error());
   proto::Estimate estimate;
-  refused =
-      check_costs(*manifest.value(), options.value(), shop.results.folder(name), shop.limits, shop.data, estimate);
+  refused = check_costs(*manifest.value(), options.value(), shop.results.folder(name, version_read(inputs)),
+                        shop.limits, shop.data, estimate);
   if (auto none = no_heights(*manifest.value(), name)) refused = std::move(none);
   return judged(std::move(estimate), refused);
 }

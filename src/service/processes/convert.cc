@@ -169,6 +169,7 @@ std::string beyond_share(const proto::Inputs& inputs, const JobShare& share) {
   if (inputs.has_density()) look(inputs.density());
   if (inputs.has_alpha()) look(inputs.alpha());
   if (inputs.has_volume()) look(inputs.volume());
+  if (inputs.has_update()) look(inputs.update());
   return told;
 }
 

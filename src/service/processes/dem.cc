@@ -23,7 +23,7 @@ std::optional<proto::Problem> check_dem_options(const proto::Inputs& inputs, con
 Reply<proto::Estimate> estimate_dem(const Workshop& shop, const proto::Inputs& inputs,
                                     std::optional<proto::Problem>& refused) {
   const std::string name = result_read(inputs);
-  const auto manifest = shop.results.manifest(name);
+  const auto manifest = shop.results.manifest(name, version_read(inputs));
   if (!manifest) return problem_of(manifest.error());
   const auto options = dem_options(inputs.dem(), shop.share);
   if (!options) return problem_of(options.error());

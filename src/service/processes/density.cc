@@ -22,7 +22,7 @@ std::optional<proto::Problem> check_density_options(const proto::Inputs& inputs,
 }
 
 std::optional<proto::Problem> check_density(const Workshop& shop, const proto::Inputs& inputs) {
-  const auto manifest = shop.results.manifest(result_read(inputs));
+  const auto manifest = shop.results.manifest(result_read(inputs), version_read(inputs));
   if (!manifest) return problem_of(manifest.error());
   const int numbers = inputs.density().bbox_size(), needed = 2 * manifest.value()->dimension;
   if (numbers == 0 || numbers == needed) return std::nullopt;
@@ -34,7 +34,7 @@ std::optional<proto::Problem> check_density(const Workshop& shop, const proto::I
 
 Reply<proto::Estimate> estimate_density(const Workshop& shop, const proto::Inputs& inputs,
                                         std::optional<proto::Problem>& refused) {
-  const auto manifest = shop.results.manifest(result_read(inputs));
+  const auto manifest = shop.results.manifest(result_read(inputs), version_read(inputs));
   if (!manifest) return problem_of(manifest.error());
   const auto options = density_options(inputs.density(), shop.share);
   if (!options) return problem_of(options.error());
@@ -51,8 +51,8 @@ Reply<JobDone> run_density(const Workshop& shop, const JobWork& work) {
   options.value().overwrite = true;  // files of an earlier attempt; existing exports were checked before
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto made = written_aside(shop, folder, work, [&] {
-    return density::write_grid(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
-                               work.ledger.token());
+    return density::write_grid(shop.results.folder(inputs.triangulation(), inputs.version()), folder / inputs.output(),
+                               options.value(), work.ledger.token());
   });
   if (!made) return problem_of(made.error());
   if (!made.value().facts.note.empty()) work.log("note: " + made.value().facts.note);

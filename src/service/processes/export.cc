@@ -23,8 +23,8 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   if (inputs.has_max_radius()) options.max_radius = inputs.max_radius();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto made = written_aside(shop, folder, work, [&] {
-    return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options,
-                         work.ledger.token());
+    return write_tileset(shop.results.folder(inputs.triangulation(), inputs.version()), folder / inputs.output(),
+                         options, work.ledger.token());
   });
   if (!made) return problem_of(made.error());
   return done_with_tileset(to_json(made.value()), inputs.output());
@@ -40,8 +40,8 @@ Reply<JobDone> run_export(const Workshop& shop, const JobWork& work) {
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto exported = written_aside(shop, folder, work, [&] {
     // A name without an ending means a folder of files.
-    return export_result(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
-                         work.ledger.token());
+    return export_result(shop.results.folder(inputs.triangulation(), inputs.version()), folder / inputs.output(),
+                         options.value(), work.ledger.token());
   });
   if (!exported) return problem_of(exported.error());
   const auto& made = exported.value();
@@ -56,7 +56,7 @@ std::optional<proto::Problem> check_export_options(const proto::Inputs& inputs, 
 
 Reply<proto::Estimate> estimate_export(const Workshop& shop, const proto::Inputs& inputs,
                                        std::optional<proto::Problem>& refused) {
-  const auto manifest = shop.results.manifest(result_read(inputs));
+  const auto manifest = shop.results.manifest(result_read(inputs), version_read(inputs));
   if (!manifest) return problem_of(manifest.error());
   const auto options = export_options(inputs.export_());
   if (!options) return problem_of(options.error());

@@ -29,7 +29,7 @@ std::optional<proto::Problem> check_hag_options(const proto::Inputs& inputs, con
 }
 
 std::optional<proto::Problem> check_hag(const Workshop& shop, const proto::Inputs& inputs) {
-  const auto manifest = shop.results.manifest(result_read(inputs));
+  const auto manifest = shop.results.manifest(result_read(inputs), version_read(inputs));
   if (!manifest) return problem_of(manifest.error());
   if (auto none = no_heights(*manifest.value(), result_read(inputs))) return none;
   return check_files(shop, inputs.hag().inputs(), inputs.hag().recursive());
@@ -62,7 +62,7 @@ Reply<JobDone> run_hag(const Workshop& shop, const JobWork& work) {
   const auto folder = shop.results.unfinished_export(name, work.job.id());
   auto made = written_aside(shop, folder, work, [&]() -> Result<std::vector<HeightsFile>> {
     BOOST_OUTCOME_TRY(files, plan(shop, inputs, folder / output, options));
-    BOOST_OUTCOME_TRY(ground, query::StoredTriangulation::open(shop.results.folder(name),
+    BOOST_OUTCOME_TRY(ground, query::StoredTriangulation::open(shop.results.folder(name, inputs.version()),
                                                                {.memory_bytes = share.value().memory_bytes}));
     BOOST_OUTCOME_TRYV(write_copies(ground, files, options, percentage(work)));
     return std::move(files);

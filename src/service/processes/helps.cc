@@ -10,7 +10,9 @@ namespace {
 // What the inputs of all processes mean, by name: equal names mean the same.
 constexpr std::pair<const char*, const char*> helps[] = {
     {"inputs", "Files, folders or patterns below the folders that the service has for inputs, or upload:NAME/FILE."},
-    {"output", "The name of the result or file that the job makes; default: the service chooses one."},
+    {"output",
+     "The name of the result or file that the job makes; default: the service chooses one. "
+     "Of a change: the name of a new result; default: the result itself gets a new version."},
     {"dim",
      "The dimension of the triangulation, 2 (x and y alone) or 3; default: 3, or 2 when the files hold x and y "
      "alone."},
@@ -45,6 +47,7 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "2D: keep the heights: a result carries them as the attribute z, and files have them as the third coordinate."},
     {"skip_invalid", "Leave out points with NaN or infinite coordinates and count them, instead of refusing the file."},
     {"triangulation", "The name of a result."},
+    {"version", "The version of the result, if it is still kept; default: the newest."},
     {"against_cgal", "Also compare the result with a triangulation that CGAL computes in memory."},
     {"format", "The format of the file; default: the format of the ending of output, or of copies that of each file."},
     {"local",
@@ -102,7 +105,25 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"smoothing", "How many rounds of smoothing, which move the vertices; default: 0."},
     {"index_every", "Every N-th level, from base on, is an index line; default: 5."},
     {"outside", "The height of points outside of the hull of the ground; default: NaN."},
-    {"replace", "Replace the dimension HeightAboveGround that a file has already."},
+    {"replace",
+     "Heights: replace the dimension HeightAboveGround that a file has already. Changes: new points take the places of "
+     "all points with the same coordinates."},
+    {"remove_ids", "Remove the points with these source indices."},
+    {"remove_ids_file",
+     "Remove the points whose source indices are in this NumPy file, which is named as inputs are; for long lists."},
+    {"remove_class", "Remove the points whose attribute classification has one of these values."},
+    {"remove_box",
+     "Remove the points in this box: the coordinates of its lower corner, then of its upper corner; four numbers for "
+     "any "
+     "height."},
+    {"remove_polygon",
+     "Remove the points in these polygons, at any height: text in GeoJSON, in the coordinates of the result."},
+    {"remove_time", "Remove the points whose attribute gps_time is from the first to the second of these numbers."},
+    {"remove_input", "Remove the points that came from these files, which need not exist any more."},
+    {"keep_versions",
+     "How many of the newest versions of the result stay readable, also after later changes; default: as before, at "
+     "first 1."},
+    {"dry_run", "Write nothing, and tell what would change."},
     {"volume", "The volume of each cell, and for each vertex that of the cells around it; for a 2D result areas."},
     {"quality", "The shape of each cell: radius ratio, least and largest angle, circumradius."},
     {"voronoi", "The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid."},

@@ -21,9 +21,18 @@ std::string text_of(const proto::Inputs& inputs, const char* name) {
   return field == nullptr ? "" : message->GetReflection()->GetString(*message, field);
 }
 
+bool is_on(const proto::Inputs& inputs, const char* name) {
+  const auto* message = chosen(inputs);
+  const auto* field = field_of(message, name);
+  return field != nullptr && message->GetReflection()->GetBool(*message, field);
+}
+
 bool makes(const proto::Inputs& inputs, Process::Makes what) {
   const Process* process = find_process(process_of(inputs));
-  return process != nullptr && process->makes == what;
+  if (process == nullptr) return false;
+  if (process->makes != Process::Makes::change) return process->makes == what;
+  if (is_on(inputs, "dry_run")) return what == Process::Makes::nothing;
+  return what == (text_of(inputs, "output").empty() ? Process::Makes::columns : Process::Makes::result);
 }
 
 }  // namespace
@@ -47,12 +56,16 @@ std::optional<std::string> export_output(const proto::Inputs& inputs) {
 
 std::string result_read(const proto::Inputs& inputs) { return text_of(inputs, "triangulation"); }
 
-std::string second_result_read(const proto::Inputs& inputs) { return text_of(inputs, "second"); }
-
-bool overwrites(const proto::Inputs& inputs) {
-  const auto* message = chosen(inputs);
-  const auto* field = field_of(message, "overwrite");
-  return field != nullptr && message->GetReflection()->GetBool(*message, field);
+std::string second_result_read(const proto::Inputs& inputs) {
+  return makes_result(inputs) ? result_read(inputs) : text_of(inputs, "second");
 }
+
+std::uint32_t version_read(const proto::Inputs& inputs) {
+  const auto* message = chosen(inputs);
+  const auto* field = field_of(message, "version");
+  return field == nullptr ? 0 : message->GetReflection()->GetUInt32(*message, field);
+}
+
+bool overwrites(const proto::Inputs& inputs) { return is_on(inputs, "overwrite"); }
 
 }  // namespace tessera::service

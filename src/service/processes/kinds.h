@@ -1,6 +1,7 @@
 // What the processes have in common: their names, what they make, and which result they read.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -21,8 +22,11 @@ std::string result_output(const proto::Inputs& inputs);
 std::optional<std::string> export_output(const proto::Inputs& inputs);
 // The name of the result that the process reads; empty if it reads none.
 std::string result_read(const proto::Inputs& inputs);
-// The name of another result that the process reads, too; empty if it reads none.
+// The name of a result that the process reads beside the one that it works on: that of result_read(), or of the result
+// that it makes. Empty if there is none.
 std::string second_result_read(const proto::Inputs& inputs);
+// The version of result_read() that is read; 0: the newest.
+std::uint32_t version_read(const proto::Inputs& inputs);
 // True if the output may replace an existing one.
 bool overwrites(const proto::Inputs& inputs);
 

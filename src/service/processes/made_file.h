@@ -74,7 +74,8 @@ Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> o
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
   const auto made = written_aside(shop, folder, work, [&] {
-    return write(shop.results.folder(name), folder / output, options.value(), work.ledger.token());
+    return write(shop.results.folder(name, version_read(inputs)), folder / output, options.value(),
+                 work.ledger.token());
   });
   if (!made) return problem_of(made.error());
   if (!made.value().note.empty()) work.log("note: " + made.value().note);

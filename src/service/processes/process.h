@@ -24,7 +24,8 @@ struct Process {
     nothing,  // but an outcome
     result,   // with the name in the field `output`
     file,     // an export of the result in the field `triangulation`, with the name in the field `output`
-    columns   // a new version of the result in the field `triangulation`
+    columns,  // a new version of the result in the field `triangulation`
+    change    // likewise; or with the field `output` a result; or with `dry_run` nothing
   };
   // Whether the inputs name a result in the field `triangulation`, which the process reads.
   enum class Reads : std::uint8_t { no_result, a_result, perhaps_a_result };

@@ -1,5 +1,6 @@
 #include "src/service/processes/processes.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "src/service/deadline.h"
@@ -30,6 +31,18 @@ std::optional<proto::Problem> check_exists(const ResultFolders& results, const c
   return problem(422, std::string(field) + ": there is none called '" + name + "'", Errc::usage);
 }
 
+std::optional<proto::Problem> check_version(ResultFolders& results, const std::string& name,
+                                            const proto::Inputs& inputs) {
+  const std::uint32_t version = version_read(inputs);
+  if (version == 0) return std::nullopt;
+  const auto held = results.hold(name, version);
+  if (held) return std::nullopt;
+  if (held.error().code != Errc::usage) return problem_of(held.error());
+  // The sentence begins with the folder, which means nothing to a caller.
+  const auto& said = held.error().where;
+  return problem(422, "version: '" + name + "'" + said.substr(std::min(said.find(": "), said.size())), Errc::usage);
+}
+
 }  // namespace
 
 std::optional<proto::Problem> Processes::check(const proto::Inputs& inputs, std::string& triangulation) const {
@@ -50,9 +63,10 @@ std::optional<proto::Problem> Processes::check(const proto::Inputs& inputs, std:
                      (process->reads == Process::Reads::perhaps_a_result && !name.empty());
   if (reads) {
     if (auto bad = check_exists(shop_.results, "triangulation", name)) return bad;
-    triangulation = name;
+    if (!makes_result(inputs)) triangulation = name;
+    if (auto bad = check_version(shop_.results, name, inputs)) return bad;
   }
-  if (const auto second = second_result_read(inputs); !second.empty())
+  if (const auto second = second_result_read(inputs); !second.empty() && second != name)
     if (auto bad = check_exists(shop_.results, "second", second)) return bad;
   return process->check == nullptr ? std::nullopt : process->check(shop_, inputs);
 }

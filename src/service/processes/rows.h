@@ -16,6 +16,7 @@ extern const Process measure_process;
 extern const Process region_process;
 extern const Process surface_process;
 extern const Process triangulate_process;
+extern const Process update_process;
 extern const Process verify_process;
 extern const Process volume_process;
 extern const Process voronoi_process;

@@ -43,7 +43,8 @@ Reply<JobDone> run_surface(const Workshop& shop, const JobWork& work) {
         shop.engine,
         {.threads = options.value().threads, .memory_bytes = options.value().memory_bytes, .resumable = true},
         work.progress);
-    return make_surface(shop.results.folder(name), folder / output, options.value(), steps, work.ledger.token());
+    return make_surface(shop.results.folder(name, version_read(inputs)), folder / output, options.value(), steps,
+                        work.ledger.token());
   };
   const auto made = written_aside(shop, folder, work, write, begun.filename());
   if (!made) return problem_of(made.error());

@@ -12,10 +12,10 @@
 namespace tessera::service {
 namespace {
 
-constexpr std::array<const Process*, 14> table{
+constexpr std::array<const Process*, 15> table{
     &triangulate_process, &region_process,  &verify_process, &export_process,  &dem_process,
     &contours_process,    &surface_process, &alpha_process,  &voronoi_process, &density_process,
-    &volume_process,      &measure_process, &hag_process,    &info_process};
+    &volume_process,      &measure_process, &hag_process,    &update_process,  &info_process};
 
 }  // namespace
 

@@ -17,7 +17,7 @@ namespace {
 std::optional<proto::Problem> check_verify(const Workshop& shop, const proto::Inputs& all) {
   const auto& inputs = all.verify();
   if (!inputs.against_cgal()) return std::nullopt;
-  const auto manifest = shop.results.manifest(inputs.triangulation());
+  const auto manifest = shop.results.manifest(inputs.triangulation(), inputs.version());
   if (!manifest) return problem_of(manifest.error());
   // CGAL's cells and vertices, and the sorted sets of both.
   const std::uint64_t vertex_bytes = manifest.value()->dimension == 3 ? 1'200 : 400;
@@ -35,8 +35,8 @@ Reply<JobDone> verify(const Workshop& shop, const JobWork& work) {
   if (!options) return problem_of(options.error());
   options.value().scratch = work.scratch;
   if (const auto problem = check_verify(shop, work.job.inputs())) return *problem;
-  const auto report =
-      tessera::verify(shop.results.folder(inputs.triangulation()), options.value(), work.ledger.token());
+  const auto report = tessera::verify(shop.results.folder(inputs.triangulation(), inputs.version()), options.value(),
+                                      work.ledger.token());
   if (!report) return problem_of(report.error());
   const auto& found = report.value();
   for (const auto& passed : found.passed) work.log("ok  " + passed);

@@ -41,7 +41,7 @@ std::optional<proto::Problem> check_volume(const Workshop& shop, const proto::In
 Result<std::optional<PolygonText>> write_polygons(const Workshop& shop, const JobWork& work, VolumeOptions& options) {
   const auto& inputs = work.job.inputs().volume();
   if (!inputs.has_base() && !inputs.has_within()) return std::optional<PolygonText>();
-  BOOST_OUTCOME_TRY(manifest, shop.results.manifest(inputs.triangulation()));
+  BOOST_OUTCOME_TRY(manifest, shop.results.manifest(inputs.triangulation(), inputs.version()));
   const bool base = inputs.has_base();
   BOOST_OUTCOME_TRY(file, PolygonText::write(work.scratch, base ? "base" : "within",
                                              base ? inputs.base() : inputs.within(), *manifest));
@@ -70,7 +70,8 @@ Reply<JobDone> run_volume(const Workshop& shop, const JobWork& work) {
   if (!inputs.second().empty()) second = shop.results.folder(inputs.second());
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto made = written_aside(shop, folder, work, [&]() -> Result<Volumes> {
-    auto computed = volumes(shop.results.folder(inputs.triangulation()), second, options, work.ledger.token());
+    auto computed =
+        volumes(shop.results.folder(inputs.triangulation(), inputs.version()), second, options, work.ledger.token());
     if (!computed && polygons.value()) return polygons.value()->in_callers_words(computed.error());
     if (!computed) return computed.error();
     BOOST_OUTCOME_TRYV(write_volumes(computed.value(), folder / inputs.output()));

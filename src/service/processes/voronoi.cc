@@ -25,7 +25,7 @@ Reply<JobDone> run_voronoi(const Workshop& shop, const JobWork& work) {
   if (!options) return problem_of(options.error());
   std::optional<PolygonText> polygons;
   if (options.value().clip == VoronoiClip::file) {
-    const auto manifest = shop.results.manifest(inputs.triangulation());
+    const auto manifest = shop.results.manifest(inputs.triangulation(), inputs.version());
     if (!manifest) return problem_of(manifest.error());
     auto file = PolygonText::write(work.scratch, "clip", inputs.clip(), *manifest.value());
     if (!file) return problem_of(file.error());

@@ -1,7 +1,9 @@
 #include "src/service/questions/questions.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <stop_token>
 
 #include "src/base/files/folder.h"
@@ -11,6 +13,7 @@
 #include "src/base/ledger.h"
 #include "src/base/random_token.h"
 #include "src/base/stopped.h"
+#include "src/job/arguments.h"
 #include "src/job/version.h"
 #include "src/service/beneath.h"
 #include "src/service/deadline.h"
@@ -43,6 +46,15 @@ proto::Problem no_triangulation(std::string_view name) {
   return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
 }
 
+// 0: the newest.
+Result<std::uint32_t> version_asked(const Question& question) {
+  const auto found = question.options.find("version");
+  if (found == question.options.end()) return 0U;
+  const auto number = parse_integer(found->second, 1, std::numeric_limits<std::uint32_t>::max());
+  if (!number) return error(number.error().code, "version: " + number.error().where);
+  return static_cast<std::uint32_t>(number.value());
+}
+
 }  // namespace
 
 Status Questions::open() {
@@ -67,7 +79,9 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
     return std::nullopt;
   };
   if (const auto none = missing()) return *none;
-  auto opened = readers_.open(name);
+  const auto version = version_asked(question);
+  if (!version) return problem_of(version.error());
+  auto opened = readers_.open(name, version.value());
   if (!opened) {
     if (const auto none = missing()) return *none;
     return problem_of(in_callers_words(opened.error(), results_.folder(name).string(), name));
@@ -87,7 +101,10 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
       return error(Errc::interrupted, stopped.what());
     }
   }();
-  if (answer) return std::move(answer).value();
+  if (answer) {
+    answer.value().version = reader.stored.manifest().version;
+    return std::move(answer).value();
+  }
   // An error that follows from the removal is no damage.
   if (reader.gone.stop_requested())
     return problem(410, "triangulation '" + name + "' was removed while the question was being answered", Errc::usage);

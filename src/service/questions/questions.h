@@ -51,6 +51,8 @@ class Questions final : public QuestionsBackend {
   Reply<std::array<double, 4>> map_extent(std::string_view name) override { return maps_.map_extent(name); }
   // Call this when the result is removed or replaced: ends the questions to it.
   void close(std::string_view name) { readers_.close(name); }
+  // Call this when the result has got a new version.
+  void renew(std::string_view name) { readers_.renew(name); }
   std::size_t open_results() const { return readers_.count(); }
 
  private:

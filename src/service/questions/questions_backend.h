@@ -33,8 +33,10 @@ struct Question {
   };
   About about = About::locate;
   std::string triangulation;
-  std::string vertex = {};                          // star, neighbours: the source index of the vertex
-  std::map<std::string, std::string> options = {};  // point, cell, tile, bbox, f, limit, value, method, weights, ...
+  std::string vertex = {};  // star, neighbours: the source index of the vertex
+  // point, cell, tile, bbox, f, limit, value, method, weights, ...; all questions have "version", the number of a
+  // version of the result; default: the newest one
+  std::map<std::string, std::string> options = {};
   std::optional<std::string> body = {};  // locate, interpolate: many points; cells: a polygon; profile: a line
   std::string type = {};                 // media type of the body
   // Answer with a message of proto/query.proto. REQUIRES: has_message(about), and no option f.
@@ -54,7 +56,8 @@ struct QuestionAnswer {
   std::string text = {};                // with the type below; or
   std::optional<ServedFile> file = {};  // a file, which has its own type
   std::string type = {};
-  bool final = true;  // the answer provably holds for the triangulation of all points
+  bool final = true;          // the answer provably holds for the triangulation of all points
+  std::uint32_t version = 0;  // of the result, which the whole answer is of
   // For features, whose text is a JSON object without its last brace: where the next page begins, if there is one.
   std::optional<std::uint64_t> next = {};
 };

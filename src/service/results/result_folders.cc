@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/random_token.h"
+#include "src/result/held_manifest.h"
 #include "src/service/beneath.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
@@ -61,6 +61,9 @@ bool is_served(const fs::path& path) {
 ResultFolders::ResultFolders(const fs::path& data, StagingFolder& desk) : results_(results_folder(data)), desk_(desk) {}
 
 fs::path ResultFolders::folder(std::string_view name) const { return results_ / std::string(name); }
+fs::path ResultFolders::folder(std::string_view name, std::uint32_t version) const {
+  return version == 0 ? folder(name) : version_file(folder(name), version);
+}
 fs::path ResultFolders::unfinished(const std::string& job) const { return unfinished_folder(results_, job); }
 fs::path ResultFolders::unfinished_export(std::string_view name, const std::string& job) const {
   return unfinished_folder(exports_folder(folder(name)), job);
@@ -92,6 +95,12 @@ std::vector<std::string> ResultFolders::command_of(const proto::JobRecord& job) 
   return {program, process_of(job.inputs()), job.id(), job.caller()};
 }
 
+bool ResultFolders::is_of(const std::vector<std::string>& command, const proto::JobRecord& job) {
+  const auto whole = command_of(job);
+  constexpr std::size_t first_words = 3;  // up to the id of the job
+  return command.size() >= first_words && std::equal(whole.begin(), whole.begin() + first_words, command.begin());
+}
+
 Result<ResultFolders::Maker> ResultFolders::maker(std::string_view name) {
   BOOST_OUTCOME_TRY(there, exists(name));
   if (!there) return Maker{};
@@ -109,30 +118,48 @@ Result<bool> ResultFolders::made_by(std::string_view name, const std::string& jo
   return known.job == job;
 }
 
-Result<ResultFolders::Held> ResultFolders::hold(std::string_view name) {
+Result<ResultFolders::Held> ResultFolders::hold(std::string_view name, std::uint32_t version) {
   if (const auto fits = check_name(name); !fits)
     return error(Errc::usage, "the name of the triangulation " + fits.error().where);
   Held held;
   BOOST_OUTCOME_TRY(folder, open_handle(this->folder(name), O_PATH | O_DIRECTORY | O_NOFOLLOW));
   held.folder = std::move(folder);
-  const auto file = manifest_file(path_of(held.folder));
+  const fs::path out = path_of(held.folder);
   struct stat status {};
-  if (::stat(file.c_str(), &status) != 0) return io_error(manifest_file(this->folder(name)), "cannot be read", errno);
-  const auto key = identity(status);
-  held.identity = key;
-  held.created = time_text(std::chrono::system_clock::from_time_t(status.st_mtim.tv_sec) +
-                           std::chrono::milliseconds(status.st_mtim.tv_nsec / 1'000'000));
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto found = manifests_.find(key); found != manifests_.end()) held.manifest = found->second;
+  const auto describe = [&] {
+    held.identity = identity(status);
+    held.created = time_of_file(status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+    held.manifest = known_manifest(held.identity);
+  };
+  const auto file = version == 0 ? manifest_file(out) : version_file(out, version);
+  BOOST_OUTCOME_TRY(found, look_at(file));
+  if (!found && version == 0) return io_error(manifest_file(this->folder(name)), "cannot be read", ENOENT);
+  if (found) {
+    status = *found;
+    describe();
   }
   if (held.manifest) return held;
-  BOOST_OUTCOME_TRY(manifest, read_manifest(path_of(held.folder)));
-  held.manifest = std::make_shared<const Manifest>(std::move(manifest));
+  // A writer may replace the file at any time. The identity must be that of the manifest that is read.
+  BOOST_OUTCOME_TRY(read, version == 0 ? result::hold_manifest(out) : result::hold_version(out, version));
+  if (::fstat(read.file.get(), &status) != 0)
+    return io_error(manifest_file(this->folder(name)), "cannot be read", errno);
+  describe();
+  if (held.manifest) return held;
+  held.manifest = std::make_shared<const Manifest>(std::move(read.manifest));
+  keep_manifest(held.identity, held.manifest);
+  return held;
+}
+
+std::shared_ptr<const Manifest> ResultFolders::known_manifest(const std::string& identity) {
+  const std::lock_guard lock(mutex_);
+  const auto found = manifests_.find(identity);
+  return found == manifests_.end() ? nullptr : found->second;
+}
+
+void ResultFolders::keep_manifest(const std::string& identity, const std::shared_ptr<const Manifest>& manifest) {
   const std::lock_guard lock(mutex_);
   if (manifests_.size() >= manifests_max) manifests_.clear();
-  manifests_[key] = held.manifest;
-  return held;
+  manifests_[identity] = manifest;
 }
 
 Result<std::optional<ResultFolders::Held>> ResultFolders::find(std::string_view name) {
@@ -146,8 +173,8 @@ Result<std::optional<ResultFolders::Held>> ResultFolders::find(std::string_view 
   return std::optional<Held>();
 }
 
-Result<std::shared_ptr<const Manifest>> ResultFolders::manifest(std::string_view name) {
-  BOOST_OUTCOME_TRY(held, hold(name));
+Result<std::shared_ptr<const Manifest>> ResultFolders::manifest(std::string_view name, std::uint32_t version) {
+  BOOST_OUTCOME_TRY(held, hold(name, version));
   return held.manifest;
 }
 
@@ -169,6 +196,7 @@ Reply<proto::TriangulationInfo> ResultFolders::info(std::string_view name) {
   info.set_bytes(bytes);
   if (manifest.digest) info.set_digest(digest_text(*manifest.digest));
   info.set_created(held.created);
+  info.set_version(manifest.version);
   info.set_crs(manifest.crs);
   const auto tileset = export_exists(name, tileset_of_result("").filename().string());
   if (!tileset) return problem_of(tileset.error());

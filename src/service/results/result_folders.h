@@ -32,7 +32,10 @@ class ResultFolders {
   Status open(const std::set<std::string>& jobs);
 
   std::filesystem::path folder(std::string_view name) const;
-  // Where the job makes its triangulation or its export, on the same file system.
+  // The path that stands for this version wherever a result is read (named_version()). 0: the newest.
+  std::filesystem::path folder(std::string_view name, std::uint32_t version) const;
+  // Where the job makes its triangulation or its export, on the same file system. A change of a result is made in
+  // update_run_folder() of unfinished().
   std::filesystem::path unfinished(const std::string& job) const;
   std::filesystem::path unfinished_export(std::string_view name, const std::string& job) const;
 
@@ -42,6 +45,8 @@ class ResultFolders {
   // The command in the manifest of this job's result. It tells the job and the owner of a result, even when the job is
   // forgotten.
   static std::vector<std::string> command_of(const proto::JobRecord& job);
+  // Whether a command of a log of versions, where long words are shortened, is that of the job.
+  static bool is_of(const std::vector<std::string>& command, const proto::JobRecord& job);
   struct Maker {
     std::string job, owner;  // empty when the manifest does not say, or is damaged
   };
@@ -54,9 +59,11 @@ class ResultFolders {
   // result exists that may not be replaced.
   Result<std::filesystem::path> publish(const std::string& job, const std::string& name, bool overwrite);
 
-  // Removes what the job has made and not published: its unfinished folder, or that of an export of `exported_from`; of
-  // the latter all but the folder or file `but`.
+  // Removes what the job has made and not published: its unfinished folder and that of a change, or that of an export
+  // of `exported_from`; of the latter all but the folder or file `but`.
   Status drop_unfinished(const std::string& job);
+  // Removes only what a change of a result has needed.
+  Status drop_change(const std::string& job);
   Status drop_unfinished_export(std::string_view exported_from, const std::string& job,
                                 const std::filesystem::path& but = {});
 
@@ -75,7 +82,7 @@ class ResultFolders {
   Reply<proto::TriangulationInfo> info(std::string_view name);
   Reply<ServedFile> file(std::string_view name, std::string_view path);
   // Errors: io when there is no such result; corrupt.
-  Result<std::shared_ptr<const Manifest>> manifest(std::string_view name);
+  Result<std::shared_ptr<const Manifest>> manifest(std::string_view name, std::uint32_t version = 0);
 
   struct Held {
     FileHandle folder;  // open: another result cannot take its place
@@ -83,12 +90,15 @@ class ResultFolders {
     std::string identity;  // differs from that of any other result of the same name
     std::string created;
   };
-  Result<Held> hold(std::string_view name);
+  // `version` 0: the newest. Error usage, also, for a version that cannot be read.
+  Result<Held> hold(std::string_view name, std::uint32_t version = 0);
   // Returns nothing when there is no such result.
   Result<std::optional<Held>> find(std::string_view name);
 
  private:
   Status drop(const std::filesystem::path& folder);
+  std::shared_ptr<const Manifest> known_manifest(const std::string& identity);
+  void keep_manifest(const std::string& identity, const std::shared_ptr<const Manifest>& manifest);
 
   std::filesystem::path results_;
   StagingFolder& desk_;

@@ -6,6 +6,7 @@
 #include "src/base/files/folder.h"
 #include "src/base/files/names.h"
 #include "src/base/files/there.h"
+#include "src/base/files/update_names.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/random_token.h"
 #include "src/service/naming.h"
@@ -45,6 +46,12 @@ Status remove_result(const fs::path& folder) {
   return success();
 }
 
+// The job of an unfinished folder, also when a change is made there.
+std::string job_of_run(const std::string& unfinished) {
+  const std::string end = update_run_folder("x").string().substr(1);
+  return unfinished.ends_with(end) ? unfinished.substr(0, unfinished.size() - end.size()) : unfinished;
+}
+
 }  // namespace
 
 Status ResultFolders::open(const std::set<std::string>& jobs) {
@@ -53,7 +60,7 @@ Status ResultFolders::open(const std::set<std::string>& jobs) {
   const auto clear = [&](const fs::path& folder, Status (*remove)(const fs::path&)) -> Status {
     BOOST_OUTCOME_TRY(names, sorted_names(folder));
     for (const auto& name : names) {
-      const auto job = job_of_unfinished(name);
+      const auto job = job_of_run(job_of_unfinished(name));
       if (token_of_removed(name)) {
         BOOST_OUTCOME_TRYV(remove(folder / name));
       } else if (JobIds::is_id(job) && !jobs.contains(job)) {
@@ -113,7 +120,11 @@ Status ResultFolders::drop(const fs::path& folder) {
   return remove_whole(gone);
 }
 
-Status ResultFolders::drop_unfinished(const std::string& job) { return drop(unfinished(job)); }
+Status ResultFolders::drop_unfinished(const std::string& job) {
+  BOOST_OUTCOME_TRYV(drop_change(job));
+  return drop(unfinished(job));
+}
+Status ResultFolders::drop_change(const std::string& job) { return drop(update_run_folder(unfinished(job))); }
 Status ResultFolders::drop_unfinished_export(std::string_view exported_from, const std::string& job,
                                              const fs::path& but) {
   const auto folder = unfinished_export(exported_from, job);

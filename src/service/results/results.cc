@@ -14,6 +14,7 @@
 #include "src/base/files/names.h"
 #include "src/base/files/there.h"
 #include "src/base/json/json_text.h"
+#include "src/job/describe_versions.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 #include "src/service/processes/kinds.h"
@@ -94,6 +95,15 @@ Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
   info.value().set_unit(units.horizontal);
   info.value().set_height_unit(units.vertical);
   return info;
+}
+
+Reply<std::string> Results::versions(std::string_view name) {
+  const auto there = folders_.exists(name);
+  if (!there) return problem_of(there.error());
+  if (!there.value()) return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
+  auto told = describe_versions_of(folders_.folder(name).string(), std::string(name));
+  if (!told) return problem_of(told.error());
+  return std::move(told).value();
 }
 
 Reply<ServedFile> Results::file(std::string_view name, std::string_view path) { return folders_.file(name, path); }

@@ -22,6 +22,7 @@ class Results final : public ResultsBackend {
 
   Reply<proto::TriangulationList> list(std::uint32_t limit, std::string_view after) override;
   Reply<proto::TriangulationInfo> info(std::string_view name) override;
+  Reply<std::string> versions(std::string_view name) override;
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove(std::string_view name, const Caller& caller) override;
   Reply<proto::ExportList> exports(std::string_view name, std::uint32_t limit, std::string_view after) override;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "service.pb.h"
@@ -17,6 +18,8 @@ class ResultsBackend {
 
   virtual Reply<proto::TriangulationList> list(std::uint32_t limit, std::string_view after) = 0;
   virtual Reply<proto::TriangulationInfo> info(std::string_view name) = 0;
+  // The versions of a triangulation as a JSON object, as `tessera log --json` prints them.
+  virtual Reply<std::string> versions(std::string_view name) = 0;
   virtual Reply<ServedFile> file(std::string_view name, std::string_view path) = 0;
   // 409 while a job uses the triangulation.
   virtual Reply<void> remove(std::string_view name, const Caller& caller) = 0;
