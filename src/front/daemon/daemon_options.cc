@@ -98,6 +98,11 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   add_option(app, top, "memory", "BYTES", "memory for all running jobs together; default: 70 % of what is available");
   add_option(app, top, "threads", "N", "threads for all running jobs together; default: all processors");
   add_option(app, top, "jobs", "N", "how many jobs run at once; default: 1");
+  add_list(
+      app, top, "live", "NAME,...",
+      "the results that are kept in memory, so that clients can add and remove points; may be given several times");
+  add_option(app, top, "live-memory", "BYTES",
+             "memory for all live results together, a part of the daemon's memory; default: half of it");
   add_switch(app, top, "uploads", "let clients upload input files");
   add_option(app, top, "retention", "TIME", "how long ended jobs are remembered, for example 30d; default: forever");
   add_option(app, top, "tls-certificate", "FILE", "the TLS certificate with its chain, as a PEM file");
@@ -111,7 +116,7 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
              "the token");
   add_cluster_options(app, top);
   // These have only variables and keys, because users hardly type them.
-  for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"})
+  for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease", "live-log"})
     settings.limits.declare(key);
 }
 
@@ -136,6 +141,9 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRY(memory, top.get("memory", or_auto(parse_memory, 0)));
   BOOST_OUTCOME_TRY(threads, top.get("threads", or_auto(at_least_one, 0)));
   BOOST_OUTCOME_TRY(jobs, top.get("jobs", at_least_one));
+  BOOST_OUTCOME_TRY(live, top.get("live", parse_names));
+  BOOST_OUTCOME_TRY(live_memory, top.get("live-memory", or_auto(parse_memory, 0)));
+  BOOST_OUTCOME_TRY(live_log, settings.limits.get("live-log", parse_memory));
   BOOST_OUTCOME_TRY(uploads, top.on("uploads"));
   BOOST_OUTCOME_TRY(retention, top.get("retention", parse_duration));
   BOOST_OUTCOME_TRY(listen, top.get("listen", parse_listen_address));
@@ -160,6 +168,9 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
   service.threads = threads.value_or(0) > 0 ? *threads : usable_processors();
   service.limits.running = jobs.value_or(1);
+  service.live = live.value_or(std::vector<std::string>{});
+  service.live_memory_bytes = live_memory.value_or(0);
+  service.live_log_bytes = live_log.value_or(service.live_log_bytes);
   service.uploads = uploads;
   service.retention_s = retention.value_or(0);
 
