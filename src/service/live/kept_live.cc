@@ -225,8 +225,10 @@ bool KeptLive::should_store() const {
 Status KeptLive::store() {
   const std::shared_lock lock(live_mutex_);
   if (!live_) return why_not_;
+  const std::uint64_t before = live_->state().stored;
   const Status stored = live_->checkpoint();
   const LiveState now = live_->state();
+  if (now.stored != before) events_->tell_stored(now.stored);
   const std::lock_guard bookkeeping(mutex_);
   not_before_bytes_ = stored ? 0 : now.log_bytes + options_.log_bytes_max;
   numbers_[now.stored_version] = now.stored;

@@ -28,7 +28,7 @@ std::array<PointId, 4> sorted_ids(const LiveCell& cell) {
 }
 
 query::Cell cell_of(const LiveCell& cell) {
-  return {.tile = cell.tile, .cell = static_cast<std::int32_t>(cell.row), .vertices = cell.ids};
+  return {.tile = cell.tile, .cell = first_in_memory + static_cast<std::int32_t>(cell.row), .vertices = cell.ids};
 }
 
 query::Vertex vertex_of(const LiveVersion& version, PointId id, const Point& at) {
@@ -131,8 +131,9 @@ Result<query::CellDetails> live_details(const LiveVersion& version, const query:
   LiveCell here;
   here.ids = cell.vertices;
   here.tile = cell.tile;
-  here.row = static_cast<std::uint32_t>(cell.cell);
-  query::CellDetails details{.cell = cell};
+  here.row = static_cast<std::uint32_t>(cell.cell - first_in_memory);
+  query::CellDetails details;
+  details.cell = cell;
   for (std::size_t i = 0; i < corners; ++i) {
     const auto at = version.point(here.ids[i]);
     if (!at) return no_such_vertex(version, here.ids[i]);
@@ -153,7 +154,8 @@ Result<query::Star> live_star(const LiveVersion& version, PointId id) {
     if (cell.is_finite(static_cast<int>(corners))) finite.push_back(cell);
   std::sort(finite.begin(), finite.end(),
             [](const LiveCell& a, const LiveCell& b) { return sorted_ids(a) < sorted_ids(b); });
-  query::Star star{.vertex = vertex_of(version, id, *at)};
+  query::Star star;
+  star.vertex = vertex_of(version, id, *at);
   std::map<PointId, Point> around;
   for (const LiveCell& cell : finite) {
     star.cells.push_back(cell_of(cell));

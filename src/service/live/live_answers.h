@@ -1,7 +1,9 @@
 // Answers questions to one version of a live result, in the form in which a stored result answers them. Tile and number
-// of a cell are a place in memory, which another version may give to another cell.
+// of a cell are a place in memory, which another version may give to another cell. So numbers begin where those of
+// stored cells end, and nobody takes one for the other.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,10 +16,13 @@
 
 namespace tessera::service {
 
+inline constexpr std::int32_t first_in_memory = 1 << 30;
+
 // Whether memory has what the question needs. Other questions are answered from the stored version.
-constexpr bool is_answered_in_memory(const Question& question) {
+inline bool is_answered_in_memory(const Question& question) {
   using About = Question::About;
-  return question.about == About::locate || question.about == About::star || question.about == About::neighbours;
+  return (question.about == About::locate && !question.options.contains("cell")) || question.about == About::star ||
+         question.about == About::neighbours;
 }
 
 // As StoredTriangulation::locate(): among cells that contain the point, the one whose sorted vertices come first.

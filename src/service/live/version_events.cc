@@ -35,6 +35,14 @@ void VersionEvents::tell(proto::VersionMade made) {
   for (const Listener* listener : listeners_) listener->on_event(kept_.back());
 }
 
+void VersionEvents::tell_stored(std::uint64_t number) {
+  auto event = std::make_shared<proto::Event>();
+  event->set_kind("stored");
+  event->mutable_made()->set_version(number);
+  const std::lock_guard lock(mutex_);
+  for (const Listener* listener : listeners_) listener->on_event(event);
+}
+
 std::unique_ptr<Subscription> VersionEvents::follow(std::optional<std::uint64_t> last,
                                                     LiveBackend::OnVersion on_event) {
   auto listener = std::make_unique<Listener>(shared_from_this(), std::move(on_event));

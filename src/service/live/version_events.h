@@ -24,6 +24,8 @@ class VersionEvents : public std::enable_shared_from_this<VersionEvents> {
   explicit VersionEvents(std::uint64_t newest) : newest_(newest) {}
 
   void tell(proto::VersionMade made);
+  // Those who listen now hear that the version with this number is stored. Nobody hears it later.
+  void tell_stored(std::uint64_t number);
   // Delivers versions after `last`; nothing: from now on.
   std::unique_ptr<Subscription> follow(std::optional<std::uint64_t> last, LiveBackend::OnVersion on_event);
 
