@@ -39,6 +39,8 @@ Result<QuestionAnswer> locate_named(const OpenQuestion& asked) {
   if (!tile || !place || asked.question.options.contains("point"))
     return error(Errc::usage,
                  "cell: must be TILE,CELL, the two numbers of a cell in other answers, and be given without point");
+  if (place.value() >= first_in_memory)
+    return error(Errc::usage, "cell: a cell in memory has this number in one version only; ask by point");
   BOOST_OUTCOME_TRY(cell, asked.reader.stored.cell(TileId{static_cast<std::uint32_t>(tile.value())},
                                                    static_cast<std::int32_t>(place.value())));
   BOOST_OUTCOME_TRY(details, asked.reader.stored.details(cell));
