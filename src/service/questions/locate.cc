@@ -31,7 +31,6 @@ Result<std::vector<query::Cell>> cells_at(const OpenQuestion& asked, std::span<c
 
 // The point in the answer is the mean of the cell's corners.
 Result<QuestionAnswer> locate_named(const OpenQuestion& asked) {
-  if (asked.live) return error(Errc::usage, "cell: a live result numbers its cells anew in each version; ask by point");
   const std::string text = asked.word("cell");
   const std::size_t comma = text.find(',');
   const auto tile = parse_integer(text.substr(0, comma), 0, 999'999);
