@@ -72,6 +72,7 @@ struct Service::Impl {
   UpkeepOptions upkeep_options();
   LiveResultsOptions live_options() const;
   Result<std::string> owner_of_result(const std::string& name);
+  std::string job_that_changes(const std::string& result);
   Status drop_files(const proto::JobRecord& job);
   Result<std::filesystem::path> publish(const proto::JobRecord& job);
 
@@ -198,6 +199,16 @@ Result<std::string> Service::Impl::owner_of_result(const std::string& name) {
   return admission.owner_of_result(name);
 }
 
+std::string Service::Impl::job_that_changes(const std::string& result) {
+  const std::lock_guard lock(table.mutex);
+  for (const auto& id : table.active) {
+    const proto::JobRecord& record = table.jobs.at(id)->record;
+    const bool changes = makes_result(record.inputs()) || changes_result(record.inputs());
+    if (changes && record.triangulation() == result) return id;
+  }
+  return {};
+}
+
 Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   const auto refuse = [](const std::string& what) { return error(Errc::usage, what); };
   if (options.data.empty()) return refuse("no data folder is given");
@@ -221,7 +232,7 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   if (impl->options.uploads) {
     BOOST_OUTCOME_TRYV(impl->uploads.open());
   }
-  impl->live.open();
+  impl->live.open([&](const std::string& name) { return impl->job_that_changes(name); });
   impl->begin();
   return std::unique_ptr<Service>(new Service(std::move(impl)));
 }

@@ -23,7 +23,7 @@ Error with_name(Error failed, const std::string& folder, std::string_view name) 
 
 }  // namespace
 
-void LiveResults::open() {
+void LiveResults::open(const std::function<std::string(const std::string& name)>& busy) {
   for (const std::string& name : options_.names) {
     if (live_.contains(name)) continue;
     KeptLiveOptions kept{
@@ -37,16 +37,20 @@ void LiveResults::open() {
     auto opened = [&]() -> Result<std::unique_ptr<KeptLive>> {
       BOOST_OUTCOME_TRY(there, folders_.exists(name));
       if (!there) return error(Errc::usage, "there is no triangulation '" + name + "'");
+      if (const std::string job = busy(name); !job.empty())
+        return error(Errc::usage,
+                     "job " + job + " is going to change it; start the daemon again when that job has ended");
       return KeptLive::open(folders_.folder(name), std::move(kept));
     }();
     if (!opened) {
       refused_[name] = with_name(opened.error(), folders_.folder(name).string(), name).where;
-      options_.warn("triangulation '" + name + "' is not live: " + opened.error().where);
+      warn("triangulation '" + name + "' is not live: " + opened.error().where);
       continue;
     }
     const auto version = opened.value()->current();
-    options_.note("triangulation '" + name + "' is live, with " + std::to_string(version->vertices()) +
-                  " vertices in version " + std::to_string(version->number()));
+    if (options_.note)
+      options_.note("triangulation '" + name + "' is live, with " + std::to_string(version->vertices()) +
+                    " vertices in version " + std::to_string(version->number()));
     live_[name] = std::move(opened).value();
   }
   if (!live_.empty()) storer_ = std::jthread([this](const std::stop_token& stop) { store_what_grows(stop); });
@@ -86,8 +90,7 @@ void LiveResults::store(const std::string& name, KeptLive& live) {
     }
   }();
   if (!stored)
-    options_.warn("triangulation '" + name +
-                  "' was not stored, and its changes stay in the log: " + stored.error().where);
+    warn("triangulation '" + name + "' was not stored, and its changes stay in the log: " + stored.error().where);
 }
 
 KeptLive* LiveResults::find(std::string_view name) const {

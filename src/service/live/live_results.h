@@ -38,7 +38,8 @@ class LiveResults final : public LiveBackend {
   ~LiveResults() override;
 
   // Opens the results, and repeats their logs. A result that cannot be opened is not live, and a warning says why.
-  void open();
+  // `busy`: the job that will change or replace a result; empty for other results. Such a result is not live either.
+  void open(const std::function<std::string(const std::string& name)>& busy);
   // Null for a result that is not live. The object lives as long as this one.
   KeptLive* find(std::string_view name) const;
 
@@ -55,6 +56,9 @@ class LiveResults final : public LiveBackend {
                                     const Caller& caller);
   void store_what_grows(const std::stop_token& stop);
   void store(const std::string& name, KeptLive& live);
+  void warn(const std::string& line) const {
+    if (options_.warn) options_.warn(line);
+  }
 
   ResultFolders& folders_;
   const LiveResultsOptions options_;
