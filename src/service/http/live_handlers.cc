@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "src/service/http/handlers.h"
-#include "src/service/questions/questions_backend.h"
 
 namespace tessera::service::http {
 namespace {

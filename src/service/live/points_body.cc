@@ -16,7 +16,6 @@
 #include "src/input/npy/npy_header.h"
 #include "src/job/new_points.h"
 #include "src/service/json.h"
-#include "src/service/questions/questions_backend.h"
 
 namespace tessera::service {
 namespace {
