@@ -54,6 +54,16 @@ Status read_limits(const apps::Settings& settings, service::ServiceLimits& limit
   return success();
 }
 
+Status read_live(const DaemonSettings& settings, service::ServiceOptions& service) {
+  BOOST_OUTCOME_TRY(names, settings.top.get("live", parse_names));
+  BOOST_OUTCOME_TRY(memory, settings.top.get("live-memory", or_auto(parse_memory, 0)));
+  BOOST_OUTCOME_TRY(log, settings.limits.get("live-log", parse_memory));
+  service.live = names.value_or(std::vector<std::string>{});
+  service.live_memory_bytes = memory.value_or(0);
+  service.live_log_bytes = log.value_or(service.live_log_bytes);
+  return success();
+}
+
 }  // namespace
 
 Result<service::http::ListenOptions> parse_listen_address(std::string_view text) {
@@ -141,9 +151,6 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRY(memory, top.get("memory", or_auto(parse_memory, 0)));
   BOOST_OUTCOME_TRY(threads, top.get("threads", or_auto(at_least_one, 0)));
   BOOST_OUTCOME_TRY(jobs, top.get("jobs", at_least_one));
-  BOOST_OUTCOME_TRY(live, top.get("live", parse_names));
-  BOOST_OUTCOME_TRY(live_memory, top.get("live-memory", or_auto(parse_memory, 0)));
-  BOOST_OUTCOME_TRY(live_log, settings.limits.get("live-log", parse_memory));
   BOOST_OUTCOME_TRY(uploads, top.on("uploads"));
   BOOST_OUTCOME_TRY(retention, top.get("retention", parse_duration));
   BOOST_OUTCOME_TRY(listen, top.get("listen", parse_listen_address));
@@ -168,12 +175,10 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
   service.threads = threads.value_or(0) > 0 ? *threads : usable_processors();
   service.limits.running = jobs.value_or(1);
-  service.live = live.value_or(std::vector<std::string>{});
-  service.live_memory_bytes = live_memory.value_or(0);
-  service.live_log_bytes = live_log.value_or(service.live_log_bytes);
   service.uploads = uploads;
   service.retention_s = retention.value_or(0);
 
+  BOOST_OUTCOME_TRYV(read_live(settings, service));
   BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
   service.cluster = std::move(cluster);
 
