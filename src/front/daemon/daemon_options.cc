@@ -168,7 +168,6 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRY(log, top.get("log", as_text));
   if (log && *log != "text" && *log != "json")
     return error(Errc::usage, "log: '" + *log + "' is neither text nor json");
-
   service::ServiceOptions& service = out.service;
   service.data = *data;
   for (std::string& root : inputs.value_or(std::vector<std::string>{})) service.roots.emplace_back(std::move(root));
