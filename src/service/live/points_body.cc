@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "query.pb.h"
@@ -58,6 +59,9 @@ bool put_as(double number, std::byte* to) {
     const double end = std::ldexp(1.0, std::numeric_limits<Type>::digits);
     if (!(number >= static_cast<double>(std::numeric_limits<Type>::min()) && number < end)) return false;
     if (std::trunc(number) != number) return false;
+  }
+  if constexpr (std::is_same_v<Type, float>) {
+    if (std::isfinite(number) && std::abs(number) > std::numeric_limits<float>::max()) return false;
   }
   const auto value = static_cast<Type>(number);
   std::memcpy(to, &value, sizeof value);
