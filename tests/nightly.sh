@@ -72,7 +72,10 @@ for name in $parts; do
       POINTS=$points TILES=64 MEMORY=3G A_JOB=4 part kills-of-nodes daemon_test kills_test.Kills.test_nodes
       POINTS=$points TILES=64 MEMORY=3G A_JOB=3 part kills-of-the-coordinator daemon_test kills_test.Kills.test_the_coordinator
       ;;
-    jobs) JOBS=200 KILLS=20 part jobs-and-kills-of-the-daemon daemon_test storm_test ;;
+    jobs)
+      JOBS=200 KILLS=20 part jobs-and-kills-of-the-daemon daemon_test storm_test
+      LIVE_KILLS=200 part kills-of-live-results daemon_test live_test.Killed
+      ;;
     machines) ROUNDS=50 ONE_MACHINE=$build/tests/daemon/libone_machine.so part machines daemon_test two_machines_test ;;
     pauses) ROLLING_POINTS=$points PAUSES_S=12,15,25 part pauses-of-the-coordinator daemon_test pauses_test ;;
     hostile) HOSTILE_S=${HOSTILE_S:-1800} part hostile-peer daemon_test hostile_test ;;

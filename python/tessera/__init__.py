@@ -28,6 +28,7 @@ from ._region import region
 from ._triangulate import info, triangulate
 from ._triangulation import Columns, Measures, Proof, Tiles, Triangulation, open
 from ._job import Event, Job
+from ._live import Live, PointsChanged, VersionMade
 from ._update import Update
 from ._volumes import VolumeTable
 from ._voronoi import VoronoiFile
@@ -35,7 +36,7 @@ from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "hag", "HeightsFile", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "region", "open", "info", "hag", "HeightsFile", "connect", "Client", "Job", "Event", "Live", "PointsChanged", "VersionMade", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # help() and messages show these names as members of the package.
 for _public in __all__:

@@ -6,7 +6,7 @@ import typing
 import urllib.parse
 
 from ._errors import BY_CAUSE, InternalError, InterruptedJobError, IoError, UsageError
-from ._http import SILENCE_OF_EVENTS_S
+from ._http import SILENCE_OF_EVENTS_S, Transport
 from ._options import Path
 from ._transfer import PATIENCE_S, Patience
 from ._triangulation import Triangulation
@@ -33,6 +33,27 @@ class Event(typing.NamedTuple):
 
 def quoted(name: str) -> str:
     return urllib.parse.quote(name, safe="")
+
+
+def sent_events(http: Transport, stream: typing.Any) -> typing.Iterator[tuple[str, dict[str, typing.Any]]]:
+    """Yields (id as text, data) for each event of a stream."""
+    last, data = "", b""
+    while line := http.line(stream):
+        name, _, value = line.rstrip(b"\r\n").partition(b":")
+        value = value.removeprefix(b" ")
+        if name == b"data":
+            data += value + b"\n"
+        elif name == b"id":
+            last = value.decode()
+        elif not name and not value and data:
+            try:
+                sent = json.loads(data)
+            except ValueError:
+                sent = None
+            if not isinstance(sent, dict):
+                raise http.no_tessera()
+            yield last, sent
+            data = b""
 
 
 class Job:
@@ -88,23 +109,13 @@ class Job:
 
     def _events(self, stream: typing.Any) -> typing.Iterator[tuple[str, Event]]:
         """Yields (id as text, event) for each event of the stream."""
-        last, data = "", b""
-        while line := self._http.line(stream):
-            name, _, value = line.rstrip(b"\r\n").partition(b":")
-            value = value.removeprefix(b" ")
-            if name == b"data":
-                data += value + b"\n"
-            elif name == b"id":
-                last = value.decode()
-            elif not name and not value and data:
-                try:
-                    sent = json.loads(data)
-                    event = Event(int(sent.get("id", 0)), sent.get("kind", ""), sent.get("status", {}), sent.get("text", ""),
-                                  sent.get("time", ""))
-                except (ValueError, TypeError, AttributeError):
-                    raise self._http.no_tessera() from None
-                yield last, event
-                data = b""
+        for last, sent in sent_events(self._http, stream):
+            try:
+                event = Event(int(sent.get("id", 0)), sent.get("kind", ""), sent.get("status", {}), sent.get("text", ""),
+                              sent.get("time", ""))
+            except (ValueError, TypeError):
+                raise self._http.no_tessera() from None
+            yield last, event
 
     def wait(self, progress: typing.Callable[[Event], object] | None = None, patience: float = PATIENCE_S) -> dict[str, typing.Any]:
         """Waits until the job is successful, and returns its last status. Calls `progress` with each event.

@@ -14,6 +14,7 @@ from ._errors import CorruptError, Error, IoError, UsageError
 from ._heights import HeightsFile
 from ._http import Transport
 from ._job import Event, Job, quoted
+from ._live import Live
 from ._options import Path
 from ._transfer import PATIENCE_S, File, download, upload
 from ._triangulation import Measures, Proof, Triangulation, open as open_folder
@@ -372,6 +373,10 @@ class Client:
             the daemon may read.
         """
         return self._http.ask_for_all(f"/inputs?folder={quoted(folder)}", "inputs")
+
+    def live(self, name: str) -> Live:
+        """Returns a result that the daemon keeps in memory, so that points can be added and removed. Sends nothing."""
+        return Live(self, name)
 
     def nodes(self) -> list[dict[str, typing.Any]]:
         """Returns the nodes that work on jobs, each a dict of "name", "address", "state", "threads", "memoryBytes",

@@ -4,6 +4,7 @@
 #include "src/service/health_backend.h"
 #include "src/service/inputs/inputs_backend.h"
 #include "src/service/jobs/jobs_backend.h"
+#include "src/service/live/live_backend.h"
 #include "src/service/nodes_backend.h"
 #include "src/service/processes/processes_backend.h"
 #include "src/service/questions/questions_backend.h"
@@ -20,6 +21,7 @@ struct Backend {
   InputsBackend& inputs;
   NodesBackend& nodes;
   HealthBackend& health;
+  LiveBackend& live;
 };
 
 }  // namespace tessera::service

@@ -14,6 +14,7 @@
 #include "src/service/jobs/jobs.h"
 #include "src/service/jobs/upkeep.h"
 #include "src/service/jobs/workers.h"
+#include "src/service/live/live_results.h"
 #include "src/service/nodes.h"
 #include "src/service/problem.h"
 #include "src/service/processes/costs.h"
@@ -38,6 +39,16 @@ QuestionLimits limits_of_questions(const ServiceOptions& options) {
   return {.memory_bytes = options.memory_bytes / 8, .threads = std::max(1U, options.threads / 2)};
 }
 
+// Jobs share what live results leave.
+Status reserve_for_live(ServiceOptions& options) {
+  if (options.live.empty()) return success();
+  if (options.live_memory_bytes == 0) options.live_memory_bytes = options.memory_bytes / 2;
+  if (options.live_memory_bytes >= options.memory_bytes)
+    return error(Errc::usage, "live results would have all of the daemon's memory: give them less than the daemon has");
+  options.memory_bytes -= options.live_memory_bytes;
+  return success();
+}
+
 Result<std::unique_ptr<Engine>> open_engine(const ServiceOptions& options) {
   if (!options.cluster) return std::make_unique<Engine>(options.threads, options.memory_bytes, kinds_of_stages());
   auto cluster = *options.cluster;
@@ -59,6 +70,9 @@ struct Service::Impl {
   JobTableHooks table_hooks();
   WorkersHooks workers_hooks();
   UpkeepOptions upkeep_options();
+  LiveResultsOptions live_options() const;
+  Result<std::string> owner_of_result(const std::string& name);
+  std::string job_that_changes(const std::string& result);
   Status drop_files(const proto::JobRecord& job);
   Result<std::filesystem::path> publish(const proto::JobRecord& job);
 
@@ -73,6 +87,7 @@ struct Service::Impl {
   Uploads uploads;
   RegionClouds clouds;
   const Workshop shop;
+  LiveResults live;
   Admission admission;
   Questions questions;
   Jobs jobs;
@@ -100,8 +115,9 @@ Service::Impl::Impl(ServiceOptions given, std::unique_ptr<DataFolder> held, Root
               data_folder->desk_of_uploads()),
       clouds(options.memory_bytes / 8),
       shop{*engine, roots, folders, options.data, options.limits, share, clouds, options.data_lease},
-      admission(table, folders),
-      questions(folders, options.data, limits_of_questions(options)),
+      live(folders, live_options(), [this](const std::string& name) { return owner_of_result(name); }),
+      admission(table, folders, [this](std::string_view name) { return live.find(name) != nullptr; }),
+      questions(folders, options.data, limits_of_questions(options), &live),
       jobs(table, admission, folders),
       results(folders, table, jobs, admission, questions),
       processes(shop, admission),
@@ -170,11 +186,36 @@ UpkeepOptions Service::Impl::upkeep_options() {
               }};
 }
 
+LiveResultsOptions Service::Impl::live_options() const {
+  return {.names = options.live,
+          .memory_bytes = options.live_memory_bytes,
+          .log_bytes_max = options.live_log_bytes,
+          .threads = options.threads,
+          .warn = options.log,
+          .note = options.note};
+}
+
+Result<std::string> Service::Impl::owner_of_result(const std::string& name) {
+  const std::lock_guard lock(table.mutex);
+  return admission.owner_of_result(name);
+}
+
+std::string Service::Impl::job_that_changes(const std::string& result) {
+  const std::lock_guard lock(table.mutex);
+  for (const auto& id : table.active) {
+    const proto::JobRecord& record = table.jobs.at(id)->record;
+    const bool changes = makes_result(record.inputs()) || changes_result(record.inputs());
+    if (changes && record.triangulation() == result) return id;
+  }
+  return {};
+}
+
 Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   const auto refuse = [](const std::string& what) { return error(Errc::usage, what); };
   if (options.data.empty()) return refuse("no data folder is given");
   if (options.limits.running < 1) return refuse("at least one job must be allowed to run");
   if (options.threads < 1) return refuse("at least one thread is needed");
+  BOOST_OUTCOME_TRYV(reserve_for_live(options));
   if (options.memory_bytes / options.limits.running < (std::uint64_t{64} << 20))
     return refuse(
         "each job would have less than 64 MiB of memory: give the daemon more memory, or let fewer jobs run at once");
@@ -192,6 +233,7 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   if (impl->options.uploads) {
     BOOST_OUTCOME_TRYV(impl->uploads.open());
   }
+  impl->live.open([&](const std::string& name) { return impl->job_that_changes(name); });
   impl->begin();
   return std::unique_ptr<Service>(new Service(std::move(impl)));
 }
@@ -200,7 +242,8 @@ Service::Service(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Service::~Service() = default;
 
 Backend Service::backend() {
-  return {impl_->processes, impl_->jobs, impl_->results, impl_->questions, impl_->inputs, impl_->nodes, *impl_->health};
+  return {impl_->processes, impl_->jobs,  impl_->results, impl_->questions,
+          impl_->inputs,    impl_->nodes, *impl_->health, impl_->live};
 }
 ProcessesBackend& Service::processes() { return impl_->processes; }
 JobsBackend& Service::jobs() { return impl_->jobs; }
@@ -208,6 +251,7 @@ ResultsBackend& Service::results() { return impl_->results; }
 QuestionsBackend& Service::questions() { return impl_->questions; }
 InputsBackend& Service::inputs() { return impl_->inputs; }
 NodesBackend& Service::nodes() { return impl_->nodes; }
+LiveBackend& Service::live() { return impl_->live; }
 const HealthBackend& Service::health() const { return *impl_->health; }
 
 }  // namespace tessera::service

@@ -36,6 +36,11 @@ struct ServiceOptions {
   std::function<void(const Error&)> lost = {};
   // Called with a sentence while another process holds the data folder. Returns true to try again.
   std::function<bool(const Error&)> locked = {};
+  // Results that are kept in memory and changed there, and the memory for all of them, which is a part of
+  // `memory_bytes`; 0: half of it.
+  std::vector<std::string> live = {};
+  std::uint64_t live_memory_bytes = 0;
+  std::uint64_t live_log_bytes = std::uint64_t{64} << 20;  // a log that is longer is soon stored in the result
   std::optional<ClusterOptions> cluster = {};         // the cluster that works on jobs; nothing: this process alone
   std::function<void(const std::string&)> log = {};   // gets warnings and errors of the service itself, line by line
   std::function<void(const std::string&)> note = {};  // gets lines about normal events
@@ -59,6 +64,7 @@ class Service {
   QuestionsBackend& questions();
   InputsBackend& inputs();
   NodesBackend& nodes();
+  LiveBackend& live();
   const HealthBackend& health() const;
 
  private:

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace tessera::daemon {
 namespace {
@@ -46,6 +47,13 @@ TEST_F(Options, ListensOnTheLoopbackUnlessToldOtherwise) {
   EXPECT_FALSE(options.value().service.uploads);
   EXPECT_EQ(options.value().service.retention_s, 0u);
   EXPECT_GT(options.value().service.memory_bytes, 0u);
+}
+
+TEST_F(Options, LiveResultsAreNamedOnceOrSeveralTimes) {
+  auto options = read("--data /tmp/d --live a --live b,c --live-memory 100M");
+  ASSERT_TRUE(options) << options.error().where;
+  EXPECT_EQ(options.value().service.live, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_EQ(options.value().service.live_memory_bytes, std::uint64_t{100} << 20);
 }
 
 TEST_F(Options, FlagsBeatVariablesBeatTheFile) {

@@ -68,6 +68,8 @@ class Api(serving.ServerTest):
             ("GET", "/v1/triangulations/{triangulation}/shapes/section"): [
                 "/v1/triangulations/block/shapes/section?through=0,0,0&normal=0,0,1"],
             ("GET", "/v1/triangulations/{triangulation}/shapes/cells"): ["/v1/triangulations/block/shapes/cells?bbox=0,0,0,1,1,1&shrink=0.5"],
+            ("POST", "/v1/triangulations/{triangulation}/points"): ["/v1/triangulations/block/points", "/v1/triangulations/none/points"],
+            ("DELETE", "/v1/triangulations/{triangulation}/points"): ["/v1/triangulations/block/points", "/v1/triangulations/none/points"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("DELETE", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
@@ -81,13 +83,15 @@ class Api(serving.ServerTest):
         }
         routes = {(method.upper(), path) for path, operations in self.api()["paths"].items() for method in operations}
         operations = {("GET", "/livez"), ("GET", "/readyz"), ("GET", "/metrics")}
-        self.assertEqual(routes - operations, set(asked) | {("GET", "/v1/events")})
+        self.assertEqual(routes - operations, set(asked) | {("GET", "/v1/events"), ("GET", "/v1/triangulations/{triangulation}/events")})
         for (method, path), targets in asked.items():
             for target in targets:
                 with self.subTest(f"{method} {target}"):
                     body = b"abc" if method == "PUT" else execution if "execution" in path or "estimate" in path else None
                     if method == "POST" and path.rsplit("/", 1)[-1] in ("locate", "interpolate", "cells", "profile"):
                         body = {"points": [[1, 2]]}
+                    if path.endswith("/points"):
+                        body = {"ids": [1]} if method == "DELETE" else {"points": [[1, 2, 3]]}
                     self.check(self.ask(method, target, body), path, method)
         for method, path in operations:
             self.check(self.ask(method, path, token=None, port=self.server.operations), path, method)
@@ -202,6 +206,24 @@ class Api(serving.ServerTest):
         problem = self.ask("GET", "/v1/jobs?limit=x").json()
         self.assertIn("limit", problem["detail"])
         self.assertEqual((problem["instance"], problem["cause"]), ("/v1/jobs", 2))
+
+    def test_points_are_added_and_removed_and_their_types_are_named(self):
+        path = "/v1/triangulations/block/points"
+        added = self.ask("POST", path, {"points": [[1, 2, 3]]}).json()
+        self.assertEqual((added["added"], added["removed"], added["firstID"]), (1, 0, 100 + added["version"]))
+        removed = self.ask("DELETE", path, b"\x0a\x01\x05", headers={"Content-Type": "application/x-protobuf"})
+        self.assertEqual((removed.status, removed.json()["version"]), (200, added["version"] + 1))
+        npy = self.ask("POST", path, b"\x93NUMPY", headers={"Content-Type": "application/x-npy; x=y",
+                                                           "Accept": "application/x-protobuf"})
+        self.assertEqual((npy.status, npy.headers["Content-Type"]), (200, "application/x-protobuf"))
+        self.assertEqual(self.ask("POST", path, b"1,2,3", headers={"Content-Type": "text/csv"}).status, 415)
+        self.assertEqual(self.ask("POST", path, b"refuse", headers={"Content-Type": "application/json"}).status, 400)
+        self.assertEqual(self.ask("POST", path, b" " * 2_000_000, headers={"Content-Type": "application/json"}).status, 413)
+        self.assertEqual(self.ask("POST", path, {"points": []}, token="read").status, 403)
+        self.assertEqual(self.ask("DELETE", path, {"ids": []}, token=None).status, 401)
+        told = self.ask("GET", "/v1/triangulations/block").json()
+        self.assertEqual(told["live"]["version"], added["version"] + 2)
+        self.assertIn("events", {link["rel"] for link in told["links"]})
 
     def test_uploads_say_how_far_they_are(self):
         path = "/v1/uploads/mine/b.las"

@@ -43,6 +43,24 @@ class Stream:
 class Events(serving.ServerTest):
     options = {"comment_ms": 200}
 
+    def test_who_follows_a_live_result_hears_of_each_version(self):
+        path = "/v1/triangulations/block/"
+        versions = [self.ask("POST", path + "points", {"points": [[1, 2, 3]]}).json()["version"] for _ in range(3)]
+        late = Stream(self, path + "events", Last_Event_ID=versions[0])
+        now = Stream(self, path + "events")
+        self.assertEqual((now.status, now.headers["Content-Type"]), (200, "text/event-stream"))
+        versions.append(self.ask("DELETE", path + "points", {"ids": [1]}).json()["version"])
+        self.assertEqual([late.event()[0] for _ in range(3)], versions[1:])
+        number, heard = now.event()
+        self.assertEqual(number, versions[3])
+        self.validate(heard, {"$ref": "#/components/schemas/Event"})
+        self.assertEqual((heard["kind"], heard["made"]["removed"], heard["made"]["changed"]),
+                         ("version", 1, [{"bounds": [0, 0.5, 1, 2, 2.5, 3]}]))
+        missed = Stream(self, path + "events", Last_Event_ID=10**9)
+        self.assertTrue(missed.event()[1]["made"]["everything"])
+        self.assertEqual(Stream(self, path + "events", Last_Event_ID="x").status, 400)
+        self.assertEqual(Stream(self, "/v1/triangulations/none/events").status, 404)
+
     def test_a_watcher_hears_of_its_job_until_it_ends(self):
         job, other = self.submit(), self.submit()
         stream = Stream(self, f"/v1/jobs/{job}/events")

@@ -320,6 +320,48 @@ Reply<proto::NodeInfo> FakeBackend::drain(std::string_view node, const Caller&) 
   return drained;
 }
 
+Reply<proto::PointsChanged> FakeBackend::change_points(std::string_view name, const PointsBody& body, bool add) {
+  if (name != "block") return refused(409, "triangulation '" + std::string(name) + "' is not live");
+  if (body.bytes.starts_with("refuse")) return refused(400, "the body: is refused");
+  const std::scoped_lock lock(mutex_);
+  proto::VersionMade made;
+  made.set_version(++version_);
+  made.set_added(add ? 1 : 0);
+  made.set_removed(add ? 0 : 1);
+  for (const double bound : {0.0, 0.5, 1.0, 2.0, 2.5, 3.0})
+    (made.changed_size() ? made.mutable_changed(0) : made.add_changed())->add_bounds(bound);
+  versions_->tell(made);
+  proto::PointsChanged told;
+  told.set_version(version_);
+  told.set_first_id(add ? 100 + version_ : 0);
+  told.set_added(made.added());
+  told.set_removed(made.removed());
+  return told;
+}
+
+Reply<proto::PointsChanged> FakeBackend::add(std::string_view name, const PointsBody& points, const Caller&) {
+  return change_points(name, points, true);
+}
+
+Reply<proto::PointsChanged> FakeBackend::remove(std::string_view name, const PointsBody& ids, const Caller&) {
+  return change_points(name, ids, false);
+}
+
+Reply<std::unique_ptr<Subscription>> FakeBackend::follow(std::string_view name, std::optional<std::uint64_t> last,
+                                                         OnVersion on_event) {
+  if (name != "block") return refused(404, "there is no triangulation '" + std::string(name) + "'");
+  return versions_->follow(last, std::move(on_event));
+}
+
+std::optional<proto::LiveInfo> FakeBackend::live(std::string_view name) const {
+  if (name != "block") return std::nullopt;
+  const std::scoped_lock lock(mutex_);
+  proto::LiveInfo info;
+  info.set_version(version_);
+  info.set_vertices(12);
+  return info;
+}
+
 ServiceFigures FakeBackend::figures() const {
   const std::scoped_lock lock(mutex_);
   ServiceFigures figures;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "src/service/backend.h"
+#include "src/service/live/version_events.h"
 
 namespace tessera::service {
 
@@ -24,12 +25,13 @@ class FakeBackend final : public ProcessesBackend,
                           public QuestionsBackend,
                           public InputsBackend,
                           public NodesBackend,
-                          public HealthBackend {
+                          public HealthBackend,
+                          public LiveBackend {
  public:
   // Makes a result "block" below `folder`, with a file of `file_bytes` bytes i % 251.
   FakeBackend(std::filesystem::path folder, std::uint64_t file_bytes);
   ~FakeBackend() override;
-  Backend backend() { return {*this, *this, *this, *this, *this, *this, *this}; }
+  Backend backend() { return {*this, *this, *this, *this, *this, *this, *this, *this}; }
 
   // The job is in that state from now on; watchers hear of it.
   void set_state(const std::string& id, const std::string& state);
@@ -81,6 +83,12 @@ class FakeBackend final : public ProcessesBackend,
   Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) override;
   Reply<proto::NodeList> list() override;
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
+  // The result "block" is live. A body that begins with "refuse" is refused; any other adds or removes a point.
+  Reply<proto::PointsChanged> add(std::string_view name, const PointsBody& points, const Caller& caller) override;
+  Reply<proto::PointsChanged> remove(std::string_view name, const PointsBody& ids, const Caller& caller) override;
+  Reply<std::unique_ptr<Subscription>> follow(std::string_view name, std::optional<std::uint64_t> last,
+                                              OnVersion on_event) override;
+  std::optional<proto::LiveInfo> live(std::string_view name) const override;
   ServiceFigures figures() const override;
   std::optional<std::string> unready() const override;
   std::optional<std::string> lost() const override;
@@ -89,6 +97,7 @@ class FakeBackend final : public ProcessesBackend,
   // REQUIRES: `lock` is that of mutex_. Until nobody waits.
   void wait_while_held(std::unique_lock<std::mutex>& lock);
   proto::Problem give_up(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
+  Reply<proto::PointsChanged> change_points(std::string_view name, const PointsBody& body, bool add);
   class Watcher;
   class Taken;
   using Event = std::shared_ptr<const proto::Event>;
@@ -105,6 +114,8 @@ class FakeBackend final : public ProcessesBackend,
   std::map<std::string, std::pair<std::string, std::string>, std::less<>> keys_;  // key -> inputs, id
   std::vector<Event> events_;
   std::vector<Watcher*> watchers_;
+  std::shared_ptr<VersionEvents> versions_ = std::make_shared<VersionEvents>(0);
+  std::uint64_t version_ = 0;
   std::map<std::string, std::string, std::less<>> uploads_;
 };
 

@@ -29,6 +29,7 @@ void LiveModel::store(const std::filesystem::path& out) const {
   cloud.points = list();
   cloud.points_read = next_id_;
   if (case_.attributes) cloud.schema = some_schema();
+  cloud.duplicate_rows = !case_.old_software;
   cloud.kind_of = [this](TileId) { return case_.store; };
   cloud.store(out);
 }
@@ -41,7 +42,7 @@ std::vector<LocalPoint> LiveModel::list() const {
 
 std::vector<IdCell> LiveModel::cells() const { return global_delaunay(list(), case_.dimension); }
 
-// With attributes no vertex goes whose duplicate stays, which is refused.
+// Where the attributes of duplicates are not kept, no vertex goes whose duplicate stays, which is refused.
 ResultChange LiveModel::next() const {
   std::mt19937_64 rng(finalised_bits(seed_ * 1000003 + version_));
   ResultChange out;
@@ -66,7 +67,7 @@ ResultChange LiveModel::next() const {
       gone.insert(points_.at(ids[k]));
     }
   }
-  if (case_.attributes) {
+  if (case_.old_software) {
     out.remove.clear();
     for (const auto& [id, p] : points_) {
       if (gone.contains(p)) out.remove.push_back(id);

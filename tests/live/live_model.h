@@ -23,6 +23,7 @@ struct LiveCase {
   PartitionKind partition = PartitionKind::kdtree;
   TileKind store = TileKind::cells;
   bool attributes = false;
+  bool old_software = false;  // has made the result, so the attributes of duplicates are not kept
 };
 
 class LiveModel {

@@ -11,7 +11,9 @@
 #include <thread>
 
 #include "src/delaunay/update/update.h"
+#include "src/geometry/reference/clouds.h"
 #include "src/job/engine_steps.h"
+#include "src/result/store/duplicate_rows.h"
 #include "src/result/tile_source.h"
 #include "src/result/verify/verify.h"
 #include "tests/live/live_model.h"
@@ -54,6 +56,26 @@ class Live : public ::testing::TestWithParam<LiveCase> {
   std::unique_ptr<LiveResult> live_;
 };
 
+// Attributes of all vertices and duplicates that are stored, compared with what their points were added with.
+void check_rows(const fs::path& folder) {
+  const auto source = TileSource::open(folder);
+  ASSERT_TRUE(source);
+  const Manifest& manifest = source.value().manifest();
+  for (std::size_t i = 0; i < source.value().tiles(); ++i) {
+    const auto tile = source.value().read(i, {.cells = false, .rows = true});
+    ASSERT_TRUE(tile) << tile.error().where;
+    EXPECT_EQ(tile.value().rows, some_rows(tile.value().mesh.ids));
+  }
+  if (manifest.duplicates == 0) return;
+  const auto rows = DuplicateRows::open(folder, manifest);
+  const auto pairs = read_duplicates(folder, manifest);
+  ASSERT_TRUE(rows && rows.value() && pairs);
+  for (std::size_t i = 0; i < pairs.value().size(); ++i) {
+    const auto row = rows.value()->row(i);
+    EXPECT_EQ(std::vector<std::byte>(row.begin(), row.end()), some_rows({pairs.value()[i].duplicate}));
+  }
+}
+
 TEST_P(Live, IsTheTriangulationOfItsPointsAfterEachBatch) {
   LiveModel model(GetParam(), 60, 1);
   model.store(folder_);
@@ -68,6 +90,7 @@ TEST_P(Live, IsTheTriangulationOfItsPointsAfterEachBatch) {
       ASSERT_TRUE(made) << made.error().where;
       const auto proof = verify(folder_, {}, {});
       ASSERT_TRUE(proof) << proof.error().where;
+      if (GetParam().attributes && !GetParam().old_software) check_rows(folder_);
     }
     if (k % 5 == 4) {  // again, from the log
       open();
@@ -86,19 +109,20 @@ TEST_P(Live, IsTheTriangulationOfItsPointsAfterEachBatch) {
   step(model);
 }
 
-INSTANTIATE_TEST_SUITE_P(Clouds, Live,
-                         ::testing::Values(LiveCase{"uniform", 3}, LiveCase{"uniform", 2}, LiveCase{"lattice", 3},
-                                           LiveCase{"lattice", 2}, LiveCase{"lattice", 3, 12, PartitionKind::random},
-                                           LiveCase{"lattice", 2, 1},
-                                           LiveCase{"uniform", 2, 20, PartitionKind::grid, TileKind::points},
-                                           LiveCase{"lattice", 3, 5, PartitionKind::kdtree, TileKind::points, true},
-                                           LiveCase{"lattice", 2, 9, PartitionKind::kdtree, TileKind::cells, true}),
-                         [](const auto& info) {
-                           const LiveCase& c = info.param;
-                           return c.kind + std::to_string(c.dimension) + "D" + std::to_string(c.tiles) +
-                                  name_of(c.partition) + (c.store == TileKind::points ? "Points" : "") +
-                                  (c.attributes ? "Attributes" : "");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Clouds, Live,
+    ::testing::Values(LiveCase{"uniform", 3}, LiveCase{"uniform", 2}, LiveCase{"lattice", 3}, LiveCase{"lattice", 2},
+                      LiveCase{"lattice", 3, 12, PartitionKind::random}, LiveCase{"lattice", 2, 1},
+                      LiveCase{"uniform", 2, 20, PartitionKind::grid, TileKind::points},
+                      LiveCase{"lattice", 3, 5, PartitionKind::kdtree, TileKind::points, true},
+                      LiveCase{"lattice", 2, 9, PartitionKind::kdtree, TileKind::cells, true},
+                      LiveCase{"lattice", 2, 5, PartitionKind::kdtree, TileKind::cells, true, true}),
+    [](const auto& info) {
+      const LiveCase& c = info.param;
+      return c.kind + std::to_string(c.dimension) + "D" + std::to_string(c.tiles) + name_of(c.partition) +
+             (c.store == TileKind::points ? "Points" : "") + (c.attributes ? "Attributes" : "") +
+             (c.old_software ? "OfOldSoftware" : "");
+    });
 
 class LiveOne : public Live {};
 
@@ -161,6 +185,82 @@ TEST_F(LiveOne, DoesNotLoseALogWhenTheResultIsChangedByOthers) {
   ASSERT_FALSE(lost);
   EXPECT_NE(lost.error().where.find("000001.log: this log has changes of an older version"), std::string::npos)
       << lost.error().where;
+}
+
+TEST_F(LiveOne, GivesNoNumberOfAVersionTwice) {
+  LiveModel model({"uniform", 2}, 30, 5);
+  model.store(folder_);
+  std::uint64_t last = 0;
+  for (int k = 0; k < 4; ++k) {
+    open();
+    ASSERT_NE(live_, nullptr);
+    EXPECT_EQ(live_->current()->number(), last);
+    for (int i = 0; i < 2; ++i) {
+      const auto applied = live_->apply({.add = {{0.1 * k, 0.3 + i, 0}}});
+      ASSERT_TRUE(applied) << applied.error().where;
+      EXPECT_EQ(applied.value().version, ++last);
+    }
+    if (k % 2 == 1) {
+      ASSERT_TRUE(live_->checkpoint());
+      EXPECT_EQ(live_->state().stored, last);
+      EXPECT_EQ(live_->state().added, 0u);
+      EXPECT_EQ(live_->current()->number(), last);
+    }
+  }
+  // Another program makes a version, which counts.
+  ASSERT_TRUE(live_->checkpoint());
+  live_.reset();
+  Engine engine(1, std::uint64_t{1} << 30, kinds_of_stages());
+  Progress progress;
+  EngineStages stages(engine, {.threads = 1}, progress);
+  ASSERT_TRUE(update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages));
+  open();
+  ASSERT_NE(live_, nullptr);
+  EXPECT_EQ(live_->current()->number(), last + 1);
+}
+
+TEST_F(LiveOne, RefusesWhatItCouldNotKeepRight) {
+  StoredCloud cloud;
+  cloud.dimension = 2;
+  Bounds bounds;
+  std::vector<Point> places;
+  for (const LocalPoint& p : make_cloud("uniform", 2, 30, 1)) {
+    cloud.points.push_back(p);
+    places.push_back(p.at);
+    bounds.add(p.at);
+  }
+  cloud.points_read = cloud.points.size();
+  cloud.partition = Partition::build_tiles(PartitionKind::kdtree, 2, places, bounds, 3);
+  cloud.keep = DuplicatePolicy::last;
+  cloud.store(folder_);
+  const auto last = LiveResult::open(folder_, {});
+  ASSERT_FALSE(last);
+  EXPECT_NE(last.error().where.find("keeps the last of equal points"), std::string::npos) << last.error().where;
+}
+
+// The neighbours across all facets of all cells are the cells that share these facets.
+TEST_F(LiveOne, StepsFromCellToCell) {
+  for (const int dimension : {2, 3}) {
+    folder_ = scratch_.path() / ("out" + std::to_string(dimension));
+    LiveModel model({"lattice", dimension, 6}, 60, 9);
+    model.store(folder_);
+    open();
+    ASSERT_NE(live_, nullptr);
+    for (int k = 0; k < 6; ++k) step(model);
+    const auto version = live_->current();
+    for (const auto& [id, p] : model.points()) {
+      const auto star = version->star(id);
+      if (!star) continue;
+      for (const LiveCell& cell : *star) {
+        if (!cell.is_finite(dimension + 1)) continue;
+        for (int corner = 0; corner <= dimension; ++corner) {
+          const LiveCell next = version->across(cell, corner);
+          for (int k = 0; k <= dimension; ++k)
+            EXPECT_EQ(std::count(next.ids.begin(), next.ids.end(), cell.ids[k]), k == corner ? 0 : 1);
+        }
+      }
+    }
+  }
 }
 
 TEST_F(LiveOne, IsNotOpenedTwiceNorBeyondItsMemory) {

@@ -47,8 +47,10 @@ export interface Triangulation {
   name: string; dimension: number; vertices: number; cells: number; tiles: number; bytes: number; digest?: string;
   created?: string; crs?: string; bounds: number[]; links: Link[]; tileset: boolean;
   unit?: string; heightUnit?: string;  // of coordinates and heights, where the coordinate system says
+  live?: LiveInfo;  // of a live result; the other fields tell of its stored version
   heights?: number[];  // of 2D results that have some: the lowest and the highest
 }
+export interface LiveInfo { version: number; storedVersion: number; vertices: number; pointsAdded: number; pointsRemoved: number }
 export interface TriangulationList { triangulations: Triangulation[]; links: Link[]; numberMatched: number }
 
 export interface Export {
@@ -68,7 +70,9 @@ export interface NodeInfo {
 }
 export interface Caller { name: string; role: "read" | "submit" | "admin" }
 
-export interface JobEvent { id: number; jobID: string; kind: string; status?: Job; text?: string; time?: string }
+// Of a live result: `kind` is version, or stored when the files of the result have the version now.
+export interface Made { version: number; added: number; removed: number; changed: {bounds: number[]}[]; everything: boolean }
+export interface JobEvent { id: number; jobID: string; kind: string; status?: Job; text?: string; time?: string; made?: Made }
 
 const base = new URL("../v1/", document.baseURI);
 

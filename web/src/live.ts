@@ -20,8 +20,9 @@ export class Live {
   private unseen = 0;
   private paused = false;
 
+  // `url`: of the stream.
   // Browsers have six connections for all pages of a daemon: one that nobody looks at gives its own back.
-  constructor() {
+  constructor(private readonly url = address("events")) {
     document.addEventListener("visibilitychange", () => {
       clearTimeout(this.unseen);
       if (!document.hidden) return this.paused ? this.start() : undefined;
@@ -95,7 +96,7 @@ export class Live {
     try {
       const headers: Record<string, string> = {Accept: "text/event-stream"};
       if (this.last) headers["Last-Event-ID"] = this.last;
-      const answer = await send("GET", address("events"), {headers, signal: given.signal});
+      const answer = await send("GET", this.url, {headers, signal: given.signal});
       opened();
       const reader = answer.body!.pipeThrough(new TextDecoderStream()).getReader();
       let rest = "";

@@ -10,6 +10,7 @@ import {Scene, TilesetDocument} from "./view_scene";
 import {SolidView} from "./view_solid_page";
 import {drawable} from "./view_stage";
 import {heightSlider, viewButtons} from "./view_tools";
+import {Versions} from "./view_versions";
 
 export class ViewPage implements Page {
   readonly title: string;
@@ -20,6 +21,7 @@ export class ViewPage implements Page {
   private scene: Scene | null = null;
   private result: Triangulation | null = null;
   private solid: SolidView | null = null;
+  private versions: Versions | null = null;
   private making: {line: HTMLElement; bar: HTMLProgressElement; job: string} | null = null;
   private closed = false;
 
@@ -36,6 +38,7 @@ export class ViewPage implements Page {
   private begin(): void {
     void this.notice.attempt(async () => {
       const result = this.result = await get<Triangulation>(address("triangulations", this.name));
+      this.follow(result);
       if (result.dimension === 2 || this.closedSurface) await (result.tileset ? this.open() : this.prepare());
       else {
         this.solid = new SolidView(this.context, this.notice, this.body, result);
@@ -47,8 +50,17 @@ export class ViewPage implements Page {
   close(): void {
     this.closed = true;
     this.leave();
+    this.versions?.close();
     this.scene?.close();
     this.solid?.close();
+  }
+
+  // Of a 3D result its stored version is drawn; a surface is a file of its own.
+  private follow({live, dimension}: Triangulation): void {
+    if (!live || this.versions || this.closed) return;
+    const drawn = dimension === 3 && !this.closedSurface ? live.storedVersion : null;
+    this.versions = new Versions(this.name, live, drawn, () => this.solid?.again());
+    this.body.before(this.versions.element);
   }
 
   private get process(): string { return this.result?.dimension === 3 ? "surface" : "export"; }

@@ -57,9 +57,11 @@ export class SolidScene extends Stage {
   }
 
   setHull(hull: Shape): void {
+    const before = this.hull;
     this.hull = hull;
     this.hullEdges.geometry = hull.edges;
     this.put(hull);
+    if (before !== hull) before?.dispose();
   }
 
   // What is seen as a body; none: the hull.

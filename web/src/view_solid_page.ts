@@ -81,6 +81,16 @@ export class SolidView {
     this.scene?.close();
   }
 
+  // The stored result has changed: what is shown is asked for anew.
+  again(): void {
+    void this.notice.attempt(async () => {
+      const hull = await this.loadHull();
+      this.scene?.setHull(hull);
+      this.shapes.drop();
+      this.ask();
+    });
+  }
+
   private shape(name: string, query = ""): string { return address("triangulations", this.result.name, "shapes", name) + query; }
 
   async open(): Promise<void> {

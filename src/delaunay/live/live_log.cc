@@ -1,5 +1,6 @@
 #include "src/delaunay/live/live_log.h"
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string>
@@ -49,25 +50,34 @@ std::optional<std::uint32_t> version_of_log(const fs::path& out, const std::stri
   return version;
 }
 
-// Removes the log of an older version, unless it has changes that are not in the result.
-Status remove_older(const fs::path& path, const Manifest& manifest) {
-  bool changes = false, made = false;
+// Removes the log of an older version, unless it has changes that are not in the result. Returns the number of the live
+// version that the result is now.
+Result<std::uint64_t> remove_older(const fs::path& path, const Manifest& manifest) {
+  bool made = false;
+  std::uint64_t first = 0, changes = 0;
   const auto visit = [&](std::uint32_t kind, std::span<const std::byte> payload) -> Status {
-    changes |= kind == batch;
+    changes += kind == batch ? 1 : 0;
     FlatReader in(payload);
+    Identity older;
+    if (kind == identity && (!in.value(older) || !in.value(first)))
+      return error(Errc::corrupt, path.string() + ": a record has a content of no change");
     MadeVersion version;
     made = kind == version_made && in.value(version) && version.version == manifest.version && manifest.digest &&
            version.digest == *manifest.digest;
     return success();
   };
   { BOOST_OUTCOME_TRYV(RecordLog::open(path, visit)); }
-  if (!changes || made) return remove_file(path);
+  if (changes == 0 || made) {
+    BOOST_OUTCOME_TRYV(remove_file(path));
+    return first + std::max(changes, std::uint64_t{1});  // without changes of the log, another program made the version
+  }
   return error(Errc::usage, path.string() +
                                 ": this log has changes of an older version of the result, which another program has "
                                 "changed since; move the log away if the changes are not wanted");
 }
 
-Status remove_older_logs(const fs::path& out, const Manifest& manifest) {
+Result<std::uint64_t> remove_older_logs(const fs::path& out, const Manifest& manifest) {
+  std::uint64_t number = 0;
   BOOST_OUTCOME_TRY(names, sorted_names(live_folder(out)));
   for (const std::string& name : names) {
     const auto version = version_of_log(out, name);
@@ -77,17 +87,18 @@ Status remove_older_logs(const fs::path& out, const Manifest& manifest) {
       return error(Errc::usage, path.string() +
                                     ": this log has changes of a newer version of the result; move the log "
                                     "away if the changes are not wanted");
-    BOOST_OUTCOME_TRYV(remove_older(path, manifest));
+    BOOST_OUTCOME_TRY(reached, remove_older(path, manifest));
+    number = std::max(number, reached);
   }
-  return success();
+  return number;
 }
 
 }  // namespace
 
-Result<LiveLog> LiveLog::open(const fs::path& out, const Manifest& manifest, const Replay& replay) {
+Result<LiveLog> LiveLog::open(const fs::path& out, const Manifest& manifest, const Begin& begin, const Replay& replay) {
   BOOST_OUTCOME_TRYV(make_directories(live_folder(out)));
   BOOST_OUTCOME_TRYV(sync_folder(out));
-  BOOST_OUTCOME_TRYV(remove_older_logs(out, manifest));
+  BOOST_OUTCOME_TRY(number, remove_older_logs(out, manifest));
   const fs::path path = live_log_file(out, manifest.version);
   const Identity wanted = identity_of(manifest);
   bool first = true;
@@ -96,8 +107,11 @@ Result<LiveLog> LiveLog::open(const fs::path& out, const Manifest& manifest, con
     const auto damaged = [&] { return error(Errc::corrupt, path.string() + ": a record has a content of no change"); };
     if (std::exchange(first, false)) {
       Identity found;
-      if (kind != identity || !in.value(found) || !in.at_end()) return damaged();
-      if (found == wanted) return success();
+      if (kind != identity || !in.value(found) || !in.value(number) || !in.at_end()) return damaged();
+      if (found == wanted) {
+        begin(number);
+        return success();
+      }
       return error(Errc::usage, path.string() + ": this log has changes of another result than " + out.string() +
                                     "; move the log away if the changes are not wanted");
     }
@@ -114,7 +128,9 @@ Result<LiveLog> LiveLog::open(const fs::path& out, const Manifest& manifest, con
   if (first) {
     FlatWriter bytes;
     bytes.value(wanted);
+    bytes.value(number);
     BOOST_OUTCOME_TRYV(log.log_.append(identity, bytes.take()));
+    begin(number);
   }
   return log;
 }

@@ -21,13 +21,16 @@ namespace tessera {
 // Not thread-safe.
 class LiveLog {
  public:
+  // `number`: the number of the live version from which the changes lead on. Numbers go on from log to log.
+  using Begin = std::function<void(std::uint64_t number)>;
   // `first_new`: the source index of the first new point of the change.
   using Replay = std::function<Status(std::uint64_t first_new, const ResultChange& change)>;
-  // Opens the log of the changes since this version of the result, and makes it if there is none. Calls `replay` with
-  // the changes in order. Removes logs of older versions whose changes the result has. Errors: usage when another
-  // process has the log, or when a log has changes that are not of this result; those of RecordLog::open(); those of
-  // `replay`.
-  static Result<LiveLog> open(const std::filesystem::path& out, const Manifest& manifest, const Replay& replay);
+  // Opens the log of the changes since this version of the result, and makes it if there is none. Calls `begin`, then
+  // `replay` with the changes in order. Removes logs of older versions whose changes the result has. Errors: usage when
+  // another process has the log, or when a log has changes that are not of this result; those of RecordLog::open();
+  // those of `replay`.
+  static Result<LiveLog> open(const std::filesystem::path& out, const Manifest& manifest, const Begin& begin,
+                              const Replay& replay);
 
   // When this returns without an error, the change survives the end of the process and a power cut.
   Status append(std::uint64_t first_new, const ResultChange& change);

@@ -41,6 +41,17 @@ void put_in_hilbert_order(std::vector<AnyPoint>& points, int dimension) {
   });
 }
 
+Status check_kept(const fs::path& out, const Manifest& manifest) {
+  if (!manifest.columns.empty())
+    return error(Errc::usage, out.string() + ": has the computed column '" + manifest.columns[0].name +
+                                  "', which is not made again while a result is kept in memory; keep the result as it "
+                                  "was before this column was computed");
+  if (manifest.keep != DuplicatePolicy::first)
+    return error(Errc::usage, out.string() + ": keeps the " + std::string(name_of(manifest.keep)) +
+                                  " of equal points, and a result that is kept in memory keeps the first");
+  return success();
+}
+
 std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; }
 
 }  // namespace
@@ -60,6 +71,7 @@ Result<std::unique_ptr<LiveResult>> LiveResult::open(const fs::path& out, const 
                                                      const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   BOOST_OUTCOME_TRYV(check_changeable(out, source.manifest()));
+  BOOST_OUTCOME_TRYV(check_kept(out, source.manifest()));
   BOOST_OUTCOME_TRY(partition, Partition::from_json(source.manifest().partition));
   std::unique_ptr<LiveResult> live(new LiveResult(std::move(source), std::move(partition), options));
   BOOST_OUTCOME_TRYV(live->load(stop));
@@ -73,8 +85,14 @@ Result<std::unique_ptr<LiveResult>> LiveResult::open(const fs::path& out, const 
     BOOST_OUTCOME_TRYV(live->apply_logged(change, false));
     return success();
   };
-  BOOST_OUTCOME_TRY(log, LiveLog::open(out, live->source_.manifest(), replay));
+  const auto begin = [&](std::uint64_t number) {
+    live->stored_number_ = number;
+    const auto loaded = live->current();
+    live->current_ = std::make_shared<const LiveVersion>(number, live->partition_, loaded->tiles(), loaded->ids());
+  };
+  BOOST_OUTCOME_TRY(log, LiveLog::open(out, live->source_.manifest(), begin, replay));
   live->log_.emplace(std::move(log));
+  live->publish_state();
   return live;
 }
 
@@ -137,20 +155,38 @@ Status LiveResult::load(const std::stop_token& stop) {
     }
     return success();
   }));
-  if (source_.manifest().duplicates_xxh3 != 0) {
-    BOOST_OUTCOME_TRY(pairs, read_duplicates(source_.folder(), source_.manifest()));
-    duplicates_ = LiveDuplicates(pairs);
-    const IdTiles vertices = IdTiles().with(entries);
-    for (const DuplicatePair& pair : pairs) {
-      const auto tile = vertices.find(pair.kept);
-      if (!tile)
-        return error(Errc::corrupt, source_.folder().string() + ": point " + to_string(pair.duplicate) +
-                                        " is a duplicate of point " + to_string(pair.kept) + ", which is no vertex");
-      entries.emplace_back(pair.duplicate, *tile);
-    }
-  }
+  BOOST_OUTCOME_TRYV(load_duplicates(entries));
   current_ = std::make_shared<const LiveVersion>(0, partition_, std::move(tiles), IdTiles().with(std::move(entries)));
   return success();
+}
+
+Status LiveResult::load_duplicates(std::vector<IdTiles::Entry>& entries) {
+  const Manifest& manifest = source_.manifest();
+  duplicates_have_rows_ = !manifest.schema.empty();
+  if (manifest.duplicates_xxh3 == 0) return success();
+  BOOST_OUTCOME_TRY(pairs, read_duplicates(source_.folder(), manifest));
+  BOOST_OUTCOME_TRY(rows, DuplicateRows::open(source_.folder(), manifest));
+  duplicates_have_rows_ = rows.has_value();
+  duplicates_ = LiveDuplicates(pairs);
+  const IdTiles vertices = IdTiles().with(entries);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto tile = vertices.find(pairs[i].kept);
+    if (!tile)
+      return error(Errc::corrupt, source_.folder().string() + ": point " + to_string(pairs[i].duplicate) +
+                                      " is a duplicate of point " + to_string(pairs[i].kept) + ", which is no vertex");
+    entries.emplace_back(pairs[i].duplicate, *tile);
+    if (!rows) continue;
+    const auto row = rows->row(i);
+    duplicate_rows_[pairs[i].duplicate].assign(row.begin(), row.end());
+  }
+  return success();
+}
+
+const std::vector<std::byte>* LiveResult::row_of_duplicate(PointId id) const {
+  for (const auto* rows : {&rows_, &duplicate_rows_}) {
+    if (const auto found = rows->find(id); found != rows->end()) return &found->second;
+  }
+  return nullptr;
 }
 
 Status LiveResult::check_points(const ResultChange& change) const {
@@ -187,10 +223,10 @@ Status LiveResult::plan_removal(const LiveVersion& before, const std::vector<Poi
     if (!also) continue;
     const auto heir = std::find_if(also->begin(), also->end(), [&](PointId other) { return !wanted.contains(other); });
     if (heir == also->end()) continue;
-    if (!source_.manifest().schema.empty())
+    if (!source_.manifest().schema.empty() && !row_of_duplicate(*heir))
       return refuse("point " + to_string(id) + " cannot be removed alone: point " + to_string(*heir) +
-                    " has the same coordinates and would take its place, and results do not keep the attributes of "
-                    "such points; remove both");
+                    " has the same coordinates and would take its place, and this result of older software does not "
+                    "have the attributes of that point; remove both");
     planned.heirs[id] = *heir;
     planned.batch.added[tile].push_back({*at, *heir});
   }
@@ -248,14 +284,20 @@ std::shared_ptr<const LiveVersion> LiveResult::next(const LiveVersion& before, c
 // What apply_logged() changes besides the version.
 void LiveResult::note(const Planned& planned, const ResultChange& change, const LiveApplied& applied) {
   for (const PointId id : planned.duplicates_removed) duplicates_.remove(id);
-  for (const auto& [vertex, heir] : planned.heirs) duplicates_.inherit(vertex, heir);
+  for (const auto& [vertex, heir] : planned.heirs) {
+    duplicates_.inherit(vertex, heir);
+    if (const auto row = duplicate_rows_.extract(heir)) rows_.insert({heir, row.mapped()});
+  }
   for (const DuplicatePair& pair : applied.duplicates) duplicates_.add(pair.duplicate, pair.kept);
   const std::size_t width = row_bytes(source_.manifest().schema);
   for (std::size_t i = 0; width > 0 && i < change.add.size(); ++i) {
     const auto row = std::span(change.rows).subspan(i * width, width);
     rows_[PointId{next_id_ + i}].assign(row.begin(), row.end());
   }
-  for (const PointId id : change.remove) rows_.erase(id);
+  for (const PointId id : change.remove) {
+    rows_.erase(id);
+    duplicate_rows_.erase(id);
+  }
   filtered_ += applied.removed;
   next_id_ += change.add.size();
 }
@@ -264,7 +306,9 @@ Result<LiveApplied> LiveResult::apply(const ResultChange& change) {
   const std::lock_guard lock(writer_);
   if (broken_) return *broken_;
   try {
-    return apply_logged(change, true);
+    auto applied = apply_logged(change, true);
+    publish_state();
+    return applied;
   } catch (const std::bad_alloc&) {
     return worded([] { return error(Errc::memory, "no memory is left to change a result"); });
   }
@@ -311,6 +355,23 @@ Result<LiveApplied> LiveResult::apply_logged(const ResultChange& change, bool lo
 TileSource LiveResult::source() const {
   const std::lock_guard lock(writer_);
   return source_;
+}
+
+LiveState LiveResult::state() const {
+  const std::lock_guard lock(state_mutex_);
+  return state_;
+}
+
+void LiveResult::publish_state() {
+  LiveState now{.version = current()->number(),
+                .stored = stored_number_,
+                .stored_version = source_.manifest().version,
+                .added = next_id_ - source_.manifest().points_read,
+                .removed = filtered_,
+                .log_bytes = log_ ? log_->bytes() : 0,
+                .broken = broken_};
+  const std::lock_guard lock(state_mutex_);
+  state_ = std::move(now);
 }
 
 std::uint64_t LiveResult::log_bytes() const {

@@ -57,7 +57,8 @@ Status LiveResult::checkpoint() {
   }
   next->manifest().format_version = updated_format;
   describe(next->manifest(), *version);
-  BOOST_OUTCOME_TRYV(next->replace_duplicates(duplicates_.pairs()));
+  BOOST_OUTCOME_TRY(rows, rows_of_duplicates(next->scratch()));
+  BOOST_OUTCOME_TRYV(next->replace_duplicates(duplicates_.pairs(), rows ? &*rows : nullptr));
   const auto digest = digest_with(written);
   const std::uint64_t added = next_id_ - source_.manifest().points_read;
   Status done = digest ? log_->note_version(next->number(), *digest) : success();
@@ -65,7 +66,27 @@ Status LiveResult::checkpoint() {
   next.reset();
   if (done) done = begin_again();
   if (!done) broken_ = error(done.error().code, done.error().where + "; " + until_opened_again);
+  publish_state();
   return done;
+}
+
+// The attributes of all duplicates; nothing when some are not known, because software that did not keep them has made
+// the result.
+Result<std::optional<DuplicateRowSort>> LiveResult::rows_of_duplicates(const fs::path& scratch) const {
+  constexpr std::uint64_t sort_bytes = std::uint64_t{64} << 20;
+  const std::size_t width = row_bytes(source_.manifest().schema);
+  std::optional<DuplicateRowSort> rows;
+  if (!duplicates_have_rows_ || width == 0) return rows;
+  const auto pairs = duplicates_.pairs();
+  if (pairs.empty()) return rows;
+  rows.emplace(scratch, sort_bytes, width);
+  for (const DuplicatePair& pair : pairs) {
+    const auto* row = row_of_duplicate(pair.duplicate);
+    if (!row)
+      return error(Errc::internal, "the attributes of duplicate " + to_string(pair.duplicate) + " are not known");
+    BOOST_OUTCOME_TRYV(rows->push(pair.duplicate, *row));
+  }
+  return rows;
 }
 
 // After the newest version was stored: with a log of its own, which has nothing yet.
@@ -73,12 +94,18 @@ Status LiveResult::begin_again() {
   const fs::path& out = source_.folder();
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   log_.reset();
-  BOOST_OUTCOME_TRY(log, LiveLog::open(out, source.manifest(), [&](std::uint64_t, const ResultChange&) -> Status {
+  const auto begin = [&](std::uint64_t) { stored_number_ = current()->number(); };
+  BOOST_OUTCOME_TRY(log,
+                    LiveLog::open(out, source.manifest(), begin, [&](std::uint64_t, const ResultChange&) -> Status {
                       return error(Errc::corrupt, out.string() + ": the log of the new version is not empty");
                     }));
   log_.emplace(std::move(log));
   source_ = std::move(source);
   changed_.clear();
+  // Without rows of all duplicates none are stored, and the result opened again must refuse what this one refuses.
+  for (const DuplicatePair& pair : duplicates_have_rows_ ? duplicates_.pairs() : std::vector<DuplicatePair>{}) {
+    if (auto row = rows_.extract(pair.duplicate)) duplicate_rows_.insert(std::move(row));
+  }
   rows_.clear();
   filtered_ = 0;
   return success();
@@ -106,7 +133,8 @@ Result<Manifest> LiveResult::write_to(const fs::path& to) const {
   }
   manifest.tiles.insert(manifest.tiles.end(), written.begin(), written.end());
   describe(manifest, *version);
-  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates_.pairs()));
+  BOOST_OUTCOME_TRY(rows, rows_of_duplicates(folder.path()));
+  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates_.pairs(), rows ? &*rows : nullptr));
   BOOST_OUTCOME_TRYV(rename_file(folder.path(), to));
   folder.keep();
   return manifest;

@@ -53,10 +53,13 @@ std::array<PointId, 4> LiveVersion::ids_of(const LiveTile& tile, const CellRecor
 LiveCell LiveVersion::cell(const Place& place) const {
   const CellRecord found = place.tile->row(place.row);
   LiveCell out;
+  out.row = place.row;
   out.ids = ids_of(*place.tile, found);
   for (int i = 0; i < corners_; ++i) {
-    if (found.vertices[i] != infinite_vertex)
-      out.points[i] = place.tile->triangulation().kernel().point(found.vertices[i]);
+    if (found.vertices[i] == infinite_vertex) continue;
+    const TileTriangulation& tile = place.tile->triangulation();
+    out.points[i] = tile.kernel().point(found.vertices[i]);
+    if (tile.is_own(found.vertices[i])) out.tile = tile.owner(found.vertices[i]);
   }
   return out;
 }
@@ -145,6 +148,11 @@ std::optional<Point> LiveVersion::point(PointId id) const {
   const auto found = vertex(id);
   if (!found) return std::nullopt;
   return found->first->triangulation().kernel().point(found->second);
+}
+
+LiveCell LiveVersion::across(const LiveCell& cell, int corner) const {
+  const Place here{tiles_[cell.tile.value].get(), cell.row};
+  return this->cell(step(here, here.tile->row(here.row), corner));
 }
 
 std::optional<std::vector<LiveCell>> LiveVersion::star(PointId id) const {

@@ -2,6 +2,7 @@
 // threads may read it, without waiting for the writer.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -22,6 +23,12 @@ struct LiveCell {
   static constexpr PointId infinite{~std::uint64_t{0}};
   std::array<PointId, 4> ids{infinite, infinite, infinite, infinite};
   std::array<Point, 4> points{};  // of the infinite vertex: unspecified
+  // A place of the cell in memory. Other places may have the same cell, and another version may have another cell here.
+  TileId tile;
+  std::uint32_t row = 0;
+  bool is_finite(int corners) const {
+    return std::find(ids.begin(), ids.begin() + corners, infinite) == ids.begin() + corners;
+  }
 };
 
 class LiveVersion {
@@ -44,6 +51,8 @@ class LiveVersion {
   std::optional<Point> point(PointId id) const;
   // The cells around a vertex, infinite ones included; nothing if this version has no such vertex.
   std::optional<std::vector<LiveCell>> star(PointId id) const;
+  // The cell across the facet opposite a corner. REQUIRES: this version has returned the cell.
+  LiveCell across(const LiveCell& cell, int corner) const;
 
  private:
   struct Place {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "src/front/apps/settings.h"
 
@@ -14,6 +15,23 @@ inline void add_option(CLI::App& app, apps::Settings& settings, const std::strin
   app.add_option_function<std::string>(
          "--" + key, [&settings, key](const std::string& text) { settings.set_flag(key, text); }, help)
       ->type_name(metavar);
+}
+
+// An option of several words, which may be given several times.
+inline void add_list(CLI::App& app, apps::Settings& settings, const std::string& key, const std::string& metavar,
+                     const std::string& help) {
+  settings.declare(key);
+  app.add_option_function<std::vector<std::string>>(
+         "--" + key,
+         [&settings, key](const std::vector<std::string>& words) {
+           std::string text;
+           for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+           settings.set_flag(key, text);
+         },
+         help)
+      ->type_name(metavar)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 inline void add_switch(CLI::App& app, apps::Settings& settings, const std::string& key, const std::string& help) {

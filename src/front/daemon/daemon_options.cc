@@ -54,6 +54,16 @@ Status read_limits(const apps::Settings& settings, service::ServiceLimits& limit
   return success();
 }
 
+Status read_live(const DaemonSettings& settings, service::ServiceOptions& service) {
+  BOOST_OUTCOME_TRY(names, settings.top.get("live", parse_names));
+  BOOST_OUTCOME_TRY(memory, settings.top.get("live-memory", or_auto(parse_memory, 0)));
+  BOOST_OUTCOME_TRY(log, settings.limits.get("live-log", parse_memory));
+  service.live = names.value_or(std::vector<std::string>{});
+  service.live_memory_bytes = memory.value_or(0);
+  service.live_log_bytes = log.value_or(service.live_log_bytes);
+  return success();
+}
+
 }  // namespace
 
 Result<service::http::ListenOptions> parse_listen_address(std::string_view text) {
@@ -98,6 +108,11 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   add_option(app, top, "memory", "BYTES", "memory for all running jobs together; default: 70 % of what is available");
   add_option(app, top, "threads", "N", "threads for all running jobs together; default: all processors");
   add_option(app, top, "jobs", "N", "how many jobs run at once; default: 1");
+  add_list(
+      app, top, "live", "NAME,...",
+      "the results that are kept in memory, so that clients can add and remove points; may be given several times");
+  add_option(app, top, "live-memory", "BYTES",
+             "memory for all live results together, a part of the daemon's memory; default: half of it");
   add_switch(app, top, "uploads", "let clients upload input files");
   add_option(app, top, "retention", "TIME", "how long ended jobs are remembered, for example 30d; default: forever");
   add_option(app, top, "tls-certificate", "FILE", "the TLS certificate with its chain, as a PEM file");
@@ -111,7 +126,7 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
              "the token");
   add_cluster_options(app, top);
   // These have only variables and keys, because users hardly type them.
-  for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"})
+  for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease", "live-log"})
     settings.limits.declare(key);
 }
 
@@ -153,7 +168,6 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRY(log, top.get("log", as_text));
   if (log && *log != "text" && *log != "json")
     return error(Errc::usage, "log: '" + *log + "' is neither text nor json");
-
   service::ServiceOptions& service = out.service;
   service.data = *data;
   for (std::string& root : inputs.value_or(std::vector<std::string>{})) service.roots.emplace_back(std::move(root));
@@ -163,6 +177,7 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.uploads = uploads;
   service.retention_s = retention.value_or(0);
 
+  BOOST_OUTCOME_TRYV(read_live(settings, service));
   BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
   service.cluster = std::move(cluster);
 

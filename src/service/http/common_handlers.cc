@@ -216,6 +216,7 @@ std::vector<Route> all_routes(Shared& shared, const Backend& backend) {
   add_listing_routes(routes);
   add_question_routes(routes);
   add_map_routes(routes);
+  add_live_routes(routes, shared);
   add_node_routes(routes);
   add_dashboard_routes(routes);
   add_operations_routes(routes, shared,

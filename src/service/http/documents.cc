@@ -105,6 +105,17 @@ void add_documents(ordered_json& schemas) {
   const ordered_json point = list_of({{"type", "number"}});
   const ordered_json whole{{"type", "integer"}, {"format", "int64"}};
   schemas["Points"] = {{"type", "object"}, {"required", {"points"}}, {"properties", {{"points", list_of(point)}}}};
+  schemas["NewPoints"] = {
+      {"type", "object"},
+      {"required", {"points"}},
+      {"additionalProperties", false},
+      {"properties",
+       {{"points", list_of(point)},
+        {"attributes", {{"type", "object"}, {"additionalProperties", list_of({{"type", "number"}})}}}}}};
+  schemas["PointIds"] = {{"type", "object"},
+                         {"required", {"ids"}},
+                         {"additionalProperties", false},
+                         {"properties", {{"ids", list_of(whole)}}}};
   schemas["Answers"] = {{"type", "object"},
                         {"required", {"answers"}},
                         {"properties", {{"answers", list_of({{"type", "object"}, {"required", {"point"}}})}}}};

@@ -39,7 +39,8 @@ class EventQueue {
     std::size_t bytes = 1 << 20;  // that wait; a slower watcher is dropped
   };
 
-  // The stream ends with the last event of `job`. If `job` is empty, it has the events of all jobs, and does not end.
+  // The stream ends with the last event of `job`. If `job` is empty, it has the events of all jobs, or those of a live
+  // result, and does not end.
   EventQueue(EventTexts& texts, std::string job, Limits limits);
 
   // `woken` is called from any thread when there is text to take. Set an empty function before `woken` becomes invalid.

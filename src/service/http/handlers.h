@@ -43,6 +43,7 @@ void add_result_routes(std::vector<Route>& routes);
 void add_listing_routes(std::vector<Route>& routes);
 void add_question_routes(std::vector<Route>& routes);
 void add_map_routes(std::vector<Route>& routes);
+void add_live_routes(std::vector<Route>& routes, Shared& shared);
 void add_node_routes(std::vector<Route>& routes);
 void add_dashboard_routes(std::vector<Route>& routes);
 void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations);

@@ -69,6 +69,9 @@ void Links::add(const Request& request, proto::TriangulationInfo& triangulation)
   *triangulation.add_links() =
       link(request, self + "/versions", "version-history", json, "Its versions, and what has changed it");
   *triangulation.add_links() = link(request, self + "/exports", "exports", json, "What it was made into");
+  if (triangulation.has_live())
+    *triangulation.add_links() =
+        link(request, self + "/events", "events", "text/event-stream", "Its versions, as they are made");
 }
 
 }  // namespace tessera::service::http

@@ -46,6 +46,7 @@ Answer answer_of(QuestionAnswer found) {
   }
   answer.headers.emplace_back("Tessera-Final", found.final ? "true" : "false");
   answer.headers.emplace_back("Tessera-Version", std::to_string(found.version));
+  if (found.version) answer.headers.emplace_back("Tessera-Version", std::to_string(*found.version));
   return answer;
 }
 
@@ -65,19 +66,20 @@ Handler asks(About about) {
     const Reply<std::string> identity = call.context.backend->questions.identity(call.arguments[0]);
     if (!identity) return problem(identity.error());
     const Question question = question_of(call, about);
+    const bool may_change = identity.value().empty();
     const std::string tag = tag_of(identity.value(), call.request, question.as_message);
     Answer answer;
-    if (names_tag(call.request.header("if-none-match"), tag, true)) {
+    if (!may_change && names_tag(call.request.header("if-none-match"), tag, true)) {
       answer.status = 304;
     } else {
       Reply<QuestionAnswer> found = call.context.backend->questions.ask(question);
       if (!found) return problem(found.error());
       answer = answer_of(std::move(found).value());
     }
-    answer.headers.emplace_back("ETag", tag);
+    if (!may_change) answer.headers.emplace_back("ETag", tag);
     if (has_message(about)) answer.headers.emplace_back("Vary", "Accept");
     // Another result may have this name one day.
-    answer.headers.emplace_back("Cache-Control", "private, no-cache");
+    answer.headers.emplace_back("Cache-Control", may_change ? "no-store" : "private, no-cache");
     return answer;
   };
 }

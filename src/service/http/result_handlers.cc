@@ -38,6 +38,7 @@ Answer triangulations(const Call& call) {
 Answer triangulation(const Call& call) {
   Reply<proto::TriangulationInfo> found = call.context.backend->results.info(call.arguments[0]);
   if (!found) return problem(found.error());
+  if (auto live = call.context.backend->live.live(call.arguments[0])) *found.value().mutable_live() = std::move(*live);
   call.context.links.add(call.request, found.value());
   return message_answer(call.request, 200, found.value());
 }

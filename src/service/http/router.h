@@ -46,14 +46,15 @@ using UploadHandler = std::function<Reply<std::unique_ptr<Upload>>(const Call&)>
 
 // Where a handler runs. A handler may wait for a disk, or for another thread that writes to a disk.
 enum class Runs : std::uint8_t {
-  at_once,   // never waits: on a thread that serves connections
-  health,    // beside all others
-  disk,      // for a short time
-  changes,   // in turn with other callers, here and below: reads inputs, makes jobs or removes files
-  questions  // to results
+  at_once,    // never waits: on a thread that serves connections
+  health,     // beside all others
+  disk,       // for a short time
+  changes,    // in turn with other callers, here and below: reads inputs, makes jobs or removes files
+  questions,  // to results
+  points      // as `changes`, for a short time and many at once: adds and removes points of live results
 };
 // True if callers take turns. Then the caller's stop token says when the caller has gone.
-constexpr bool in_turn(Runs runs) { return runs == Runs::changes || runs == Runs::questions; }
+constexpr bool in_turn(Runs runs) { return runs >= Runs::changes; }
 
 struct Route {
   std::string method, path;  // "/v1/jobs/{job}"; a last "{path*}" matches the rest of the path

@@ -89,7 +89,8 @@ struct Server::Impl {
   std::unordered_map<Session*, Known> sessions;
   std::shared_ptr<asio::ssl::context> tls;
   asio::io_context io;
-  Workers workers{options.workers, {.usual = options.changes}, {.usual = options.questions}};
+  // Threads of points wait for batches. The more may wait, the larger are the batches.
+  Workers workers{options.workers, {.usual = options.changes}, {.usual = options.questions}, {.usual = 16, .most = 48}};
   std::vector<std::unique_ptr<Listener>> listeners;
   std::vector<std::thread> threads;
 };

@@ -51,7 +51,10 @@ class Session : public std::enable_shared_from_this<Session> {
                                                  unsigned version, std::uint64_t body_bytes);
   asio::awaitable<bool> read_header(Incoming& incoming);
   std::optional<Answer> take_slot(Incoming& incoming);
-  Turns& turns(Runs runs) { return *(runs == Runs::changes ? workers_.changes : workers_.questions); }
+  Turns& turns(Runs runs) {
+    if (runs == Runs::points) return *workers_.points;
+    return *(runs == Runs::changes ? workers_.changes : workers_.questions);
+  }
   asio::awaitable<bool> read_body(Incoming& incoming);
   asio::awaitable<bool> take_upload(Incoming& incoming);
   asio::awaitable<ErrorCode> read_more();

@@ -21,28 +21,33 @@ namespace tessera::service::http {
 
 // Each kind of work has its own threads, so that no kind delays another.
 struct Workers {
-  Workers(unsigned disk_threads, const TurnLimits& change_limits, const TurnLimits& question_limits)
+  Workers(unsigned disk_threads, const TurnLimits& change_limits, const TurnLimits& question_limits,
+          const TurnLimits& point_limits)
       : health(2),
         disk(disk_threads),
         changes(std::make_shared<Turns>(change_limits)),
-        questions(std::make_shared<Turns>(question_limits)) {}
+        questions(std::make_shared<Turns>(question_limits)),
+        points(std::make_shared<Turns>(point_limits)) {}
   void stop() {
     health.stop();
     disk.stop();
     changes->stop();
     questions->stop();
+    points->stop();
   }
   void join() {
     health.join();
     disk.join();
     changes->join();
     questions->join();
+    points->join();
   }
 
   boost::asio::thread_pool health;   // supervisors and Prometheus
   boost::asio::thread_pool disk;     // short work that waits for a disk
   std::shared_ptr<Turns> changes;    // work that reads inputs, makes jobs or removes files
   std::shared_ptr<Turns> questions;  // to results
+  std::shared_ptr<Turns> points;     // of live results: work that mostly waits for a batch
 };
 
 // Returns what `work()` returns (never nothing) after a worker has called it; rethrows what it throws. `post` passes a

@@ -90,6 +90,8 @@ Reply<Submitted> Admission::welcome(const std::shared_ptr<Job>& job, const Statu
 }
 
 std::optional<proto::Problem> Admission::conflict(const proto::JobRecord& job, const Caller& caller) {
+  if (makes_result(job.inputs()) || changes_result(job.inputs()))
+    if (auto against = live_result(job.triangulation())) return against;
   if (auto against = beside_others(job)) return against;
   return in_its_place(job, caller);
 }
@@ -181,6 +183,15 @@ std::optional<proto::Problem> Admission::in_its_place(const proto::JobRecord& jo
   if (taken.value())
     return judge("'" + name + "' has an export called '" + *output + "' already", folders_.export_owner(name, *output));
   return std::nullopt;
+}
+
+std::optional<proto::Problem> Admission::live_result(std::string_view name) const {
+  if (!is_live_ || !is_live_(name)) return std::nullopt;
+  return problem(409,
+                 "triangulation '" + std::string(name) +
+                     "' is live, so it is changed only by points that are added and removed; start the daemon without "
+                     "keeping it in memory first",
+                 Errc::usage);
 }
 
 Result<std::string> Admission::owner_of_result(const std::string& name) {

@@ -1,10 +1,13 @@
 // Decides whether a job may wait or run beside the others, and accepts it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "job_record.pb.h"
 #include "src/base/result.h"
@@ -18,7 +21,10 @@ namespace tessera::service {
 
 class Admission {
  public:
-  Admission(JobTable& table, ResultFolders& folders) : table_(table), folders_(folders) {}
+  // Whether a result is kept in memory and changed there. Then jobs may read the result, and not change or replace it.
+  using IsLive = std::function<bool(std::string_view name)>;
+  Admission(JobTable& table, ResultFolders& folders, IsLive is_live = {})
+      : table_(table), folders_(folders), is_live_(std::move(is_live)) {}
 
   // The job that was accepted before with the same key and the same inputs; nothing when there is none. 422 for a job
   // with the same key and other inputs. Waits for a job with this key that is just arriving.
@@ -34,6 +40,8 @@ class Admission {
   std::optional<proto::Problem> conflict(const proto::JobRecord& job, const Caller& caller);
   // The owner of a result, who may remove it; empty when unknown.
   Result<std::string> owner_of_result(const std::string& name);
+  // Why a live result is not removed, replaced or changed otherwise; nothing for other results. Needs no lock.
+  std::optional<proto::Problem> live_result(std::string_view name) const;
 
  private:
   Reply<std::optional<Submitted>> same_as(const proto::Inputs& inputs, const Caller& caller, const std::string& key,
@@ -46,6 +54,7 @@ class Admission {
 
   JobTable& table_;
   ResultFolders& folders_;
+  IsLive is_live_;
 };
 
 }  // namespace tessera::service

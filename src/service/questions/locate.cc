@@ -1,10 +1,13 @@
 // The question locate: which cells have points.
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "src/job/arguments.h"
 #include "src/result/query/answer_text.h"
+#include "src/service/live/live_answers.h"
 #include "src/service/questions/answer_messages.h"
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
@@ -21,6 +24,11 @@ QuestionAnswer location(const OpenQuestion& asked, const Point& p, const std::op
   return {.text = json_of(p, asked.dimension, details, told), .type = json_type, .final = final};
 }
 
+Result<std::vector<query::Cell>> cells_at(const OpenQuestion& asked, std::span<const Point> points) {
+  if (asked.live) return live_locate(*asked.live, points, asked.ask);
+  return asked.reader.stored.locate(points, asked.ask);
+}
+
 // The point in the answer is the mean of the cell's corners.
 Result<QuestionAnswer> locate_named(const OpenQuestion& asked) {
   const std::string text = asked.word("cell");
@@ -30,6 +38,8 @@ Result<QuestionAnswer> locate_named(const OpenQuestion& asked) {
   if (!tile || !place || asked.question.options.contains("point"))
     return error(Errc::usage,
                  "cell: must be TILE,CELL, the two numbers of a cell in other answers, and be given without point");
+  if (place.value() >= first_in_memory)
+    return error(Errc::usage, "cell: a cell in memory has this number in one version only; ask by point");
   BOOST_OUTCOME_TRY(cell, asked.reader.stored.cell(TileId{static_cast<std::uint32_t>(tile.value())},
                                                    static_cast<std::int32_t>(place.value())));
   BOOST_OUTCOME_TRY(details, asked.reader.stored.details(cell));
@@ -47,10 +57,10 @@ Result<QuestionAnswer> locate_one(const OpenQuestion& asked) {
   if (asked.question.options.contains("cell")) return locate_named(asked);
   const auto at = [&](const std::string& text) { return parse_point(text, asked.dimension); };
   BOOST_OUTCOME_TRY(p, asked.read("point", at));
-  BOOST_OUTCOME_TRY(cells, asked.reader.stored.locate({&p, 1}, asked.ask));
+  BOOST_OUTCOME_TRY(cells, cells_at(asked, {&p, 1}));
   std::optional<query::CellDetails> details;
   if (cells[0]) {
-    BOOST_OUTCOME_TRY(found, asked.reader.stored.details(cells[0]));
+    BOOST_OUTCOME_TRY(found, asked.live ? live_details(*asked.live, cells[0]) : asked.reader.stored.details(cells[0]));
     details = std::move(found);
   }
   return location(asked, p, details, cells[0].final);
@@ -60,7 +70,7 @@ Result<QuestionAnswer> locate_many(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRY(options, asked.many());
   BOOST_OUTCOME_TRY(answers, TextAnswers::make(options));
   BOOST_OUTCOME_TRY(points, asked.points());
-  BOOST_OUTCOME_TRY(cells, asked.reader.stored.locate(points, asked.ask));
+  BOOST_OUTCOME_TRY(cells, cells_at(asked, points));
   const bool final = all_final(cells);
   if (asked.question.as_message) return in_bytes(answers_message(points, cells, options), final);
   BOOST_OUTCOME_TRYV(answers->add_cells(points, cells));

@@ -2,6 +2,7 @@
 #include "src/result/query/neighbours.h"
 
 #include "query.pb.h"
+#include "src/service/live/live_answers.h"
 #include "src/service/questions/open_question.h"
 #include "src/service/questions/rows.h"
 
@@ -23,7 +24,8 @@ proto::Neighbours message_of(const query::Neighbours& found, bool part) {
 Result<QuestionAnswer> answer_neighbours(const OpenQuestion& asked) {
   BOOST_OUTCOME_TRY(vertex, asked.vertex());
   BOOST_OUTCOME_TRY(owner, asked.owner());
-  BOOST_OUTCOME_TRY(found, asked.reader.stored.neighbours(vertex, owner, asked.ask));
+  BOOST_OUTCOME_TRY(found, asked.live ? live_neighbours(*asked.live, vertex)
+                                      : asked.reader.stored.neighbours(vertex, owner, asked.ask));
   if (asked.question.as_message) return in_bytes(message_of(found, asked.is_part()).SerializeAsString(), found.final);
   return QuestionAnswer{.text = json_of(found, asked.is_part()), .type = json_type, .final = found.final};
 }

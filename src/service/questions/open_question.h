@@ -20,6 +20,10 @@
 #include "src/service/questions/questions_backend.h"
 #include "src/service/questions/readers.h"
 
+namespace tessera {
+class LiveVersion;
+}
+
 namespace tessera::service {
 
 class OpenQuestion {
@@ -35,6 +39,7 @@ class OpenQuestion {
   const std::filesystem::path folder;
   const query::AskOptions ask;
   const int dimension;
+  const LiveVersion* live = nullptr;  // if set, it answers instead of the stored version (live_answers.h)
 
   // Errors have marks for options, "the body" for the body, and paths for files. Here and below.
   //

@@ -17,6 +17,8 @@
 #include "src/job/version.h"
 #include "src/service/beneath.h"
 #include "src/service/deadline.h"
+#include "src/service/live/live_answers.h"
+#include "src/service/live/live_results.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 #include "src/service/questions/open_question.h"
@@ -67,6 +69,7 @@ Reply<std::string> Questions::identity(std::string_view name) {
   const auto held = results_.find(name);
   if (!held) return problem_of(held.error());
   if (!held.value()) return no_triangulation(name);
+  if (live_ && live_->find(name)) return std::string();
   return held.value()->identity + "-" + version();
 }
 
@@ -87,6 +90,10 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
     return problem_of(in_callers_words(opened.error(), results_.folder(name).string(), name));
   }
   const auto& reader = *opened.value();
+  // One version answers the whole question: the newest one in memory, or the one that is stored.
+  const KeptLive* kept = live_ ? live_->find(name) : nullptr;
+  const auto newest = kept && is_answered_in_memory(question) ? kept->current() : nullptr;
+  const auto stored_number = kept ? kept->number_of(reader.stored.manifest().version) : std::nullopt;
   const auto folder = TemporaryFolder::make(answers_folder(data_) / random_token());
   if (!folder) return problem_of(folder.error());
   Ledger ledger({.disk = {limits_.answer_bytes, "an answer"}, .memory = {limits_.memory_bytes / 8, "a question"}});
@@ -96,13 +103,17 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   const Ledger::Use use(&ledger);
   auto answer = [&]() -> Result<QuestionAnswer> {
     try {
-      return service::answer(OpenQuestion(reader, question, limits_, folder.value().path(), ledger.token()));
+      OpenQuestion open(reader, question, limits_, folder.value().path(), ledger.token());
+      open.live = newest.get();
+      return service::answer(open);
     } catch (const Stopped& stopped) {
       return error(Errc::interrupted, stopped.what());
     }
   }();
   if (answer) {
     answer.value().version = reader.stored.manifest().version;
+    {
+    answer.value().version = newest ? std::optional(newest->number()) : stored_number;
     return std::move(answer).value();
   }
   // An error that follows from the removal is no damage.

@@ -20,6 +20,8 @@
 
 namespace tessera::service {
 
+class LiveResults;
+
 struct QuestionLimits {
   std::uint64_t memory_bytes = std::uint64_t{128} << 20;  // half for open results; a question has a quarter of the rest
   unsigned threads = 1;                                   // for one question
@@ -34,13 +36,16 @@ struct QuestionLimits {
 // Thread-safe.
 class Questions final : public QuestionsBackend {
  public:
-  // `data` is the data folder; answers that are files are kept there.
-  Questions(ResultFolders& results, std::filesystem::path data, QuestionLimits limits)
+  // `data` is the data folder; answers that are files are kept there. `live`: the results that are kept in memory, if
+  // there are any; it outlives this object.
+  Questions(ResultFolders& results, std::filesystem::path data, QuestionLimits limits,
+            const LiveResults* live = nullptr)
       : results_(results),
         data_(std::move(data)),
         limits_(limits),
         readers_(results, limits.memory_bytes / 2),
-        maps_(results) {}
+        maps_(results),
+        live_(live) {}
   // Makes the folder for answers, without old contents.
   Status open();
 
@@ -61,6 +66,7 @@ class Questions final : public QuestionsBackend {
   const QuestionLimits limits_;
   Readers readers_;
   Collections maps_;
+  const LiveResults* live_;
 };
 
 }  // namespace tessera::service

@@ -56,6 +56,8 @@ struct QuestionAnswer {
   std::string text = {};                // with the type below; or
   std::optional<ServedFile> file = {};  // a file, which has its own type
   std::string type = {};
+  // Of a live result: the number of the version that the answer is of.
+  std::optional<std::uint64_t> version = {};
   bool final = true;          // the answer provably holds for the triangulation of all points
   std::uint32_t version = 0;  // of the result, which the whole answer is of
   // For features, whose text is a JSON object without its last brace: where the next page begins, if there is one.
@@ -80,7 +82,8 @@ class QuestionsBackend {
   virtual ~QuestionsBackend() = default;
 
   // The identity of this result, which differs from that of any other result that had or will have its name. For one
-  // identity, this program always gives the same answers.
+  // identity, this program always gives the same answers. Empty for a live result, whose answers may change at any
+  // moment.
   virtual Reply<std::string> identity(std::string_view name) = 0;
   // Answers a question. May read from disk. 404; 400 for options that make no sense; 422 for invalid points or
   // polygons, and for too large an answer; 410 when the caller or the result has gone meanwhile; 500 for a damaged

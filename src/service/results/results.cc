@@ -115,6 +115,7 @@ Reply<void> Results::remove(std::string_view name, const Caller& caller) {
     const auto there = folders_.exists(name);
     if (!there) return problem_of(there.error());
     if (!there.value()) return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
+    if (const auto live = admission_.live_result(name)) return *live;
     const std::lock_guard lock(table_.mutex);
     for (const auto& id : table_.active) {
       const auto& record = table_.jobs.at(id)->record;
