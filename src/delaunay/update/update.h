@@ -49,6 +49,8 @@ struct UpdateOptions {
   LockOptions lock = {};
   std::function<void(double)> progress = {};  // is told how much is done, from 0 to 1
   UpdateWay way = UpdateWay::cheapest;
+  // A tile with more points is split (grown_tiles.h). 0: as an earlier change has said, else by the largest tile.
+  std::uint64_t tile_points = 0;
   bool dry_run = false;                   // only find out what would change
   std::vector<std::string> command = {};  // for the manifest
   std::string software_version = {};      // for the manifest
@@ -64,7 +66,8 @@ struct Updated {
   std::uint32_t version = 1;                         // of the new result
   // Tiles that had fresh points; that were triangulated; and of these, those that have changed.
   std::uint64_t begun = 0, awake = 0, written = 0;
-  bool anew = false;  // all tiles were triangulated
+  bool anew = false;        // all tiles were triangulated
+  std::uint64_t split = 0;  // tiles that had grown too large and were split
   // As the result was: own points of the tiles that were triangulated, and the bytes of the files of those that have
   // changed.
   std::uint64_t old_points = 0, old_bytes = 0;
