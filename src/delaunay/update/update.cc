@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 #include <random>
-#include <set>
 #include <utility>
 
 #include "src/base/check.h"
@@ -19,6 +18,7 @@
 #include "src/delaunay/run/result_stages.h"
 #include "src/delaunay/run/run_folder.h"
 #include "src/delaunay/update/anew.h"
+#include "src/delaunay/update/change_estimate.h"
 #include "src/delaunay/update/grown_tiles.h"
 #include "src/delaunay/update/update_folder.h"
 #include "src/delaunay/update/update_plan.h"
@@ -64,11 +64,8 @@ struct Wanted {
   bool anew = false;
 };
 
-// The tiles of new points and of removed points have fresh points, nearly always; the tiles beside them may have some.
 bool most_tiles_begin(const TileSource& source, const UpdatePlan& plan) {
-  std::set<TileId> begin = plan.losing;
-  for (const auto& [tile, points] : plan.added) begin.insert(tile);
-  return source.tiles() > 1 && begin.size() * 2 > source.tiles();
+  return source.tiles() > 1 && tiles_that_begin(plan).size() * 2 > source.tiles();
 }
 
 // Makes sure that the run has its plan: that of an earlier process, or a new one.
@@ -205,6 +202,16 @@ Result<Updated> try_update(const Wanted& wanted, const UpdateOptions& options, S
     updated.begun = updated.awake = updated.written = wanted.source.tiles();
     updated.old_points = wanted.source.manifest().vertices;
     for (const TileEntry& entry : wanted.source.manifest().tiles) updated.old_bytes += entry.bytes;
+    return updated;
+  }
+  const ChangeEstimate estimate = estimate_change(wanted.source, wanted.partition, wanted.plan);
+  if (estimate.begun_points > options.dry_points) {
+    Updated updated = counted({}, wanted);
+    updated.estimated = true;
+    updated.begun = estimate.begun;
+    updated.awake = updated.written = estimate.awake;
+    updated.old_points = estimate.points;
+    updated.old_bytes = estimate.bytes;
     return updated;
   }
   BOOST_OUTCOME_TRY(run, TemporaryFolder::make());

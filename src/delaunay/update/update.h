@@ -51,7 +51,10 @@ struct UpdateOptions {
   UpdateWay way = UpdateWay::cheapest;
   // A tile with more points is split (grown_tiles.h). 0: as an earlier change has said, else by the largest tile.
   std::uint64_t tile_points = 0;
-  bool dry_run = false;                   // only find out what would change
+  bool dry_run = false;  // only find out what would change
+  // If tiles with new or removed points have more old points than this together, a dry run estimates what would change,
+  // because the exchange of so many tiles takes long.
+  std::uint64_t dry_points = 2'000'000;
   std::vector<std::string> command = {};  // for the manifest
   std::string software_version = {};      // for the manifest
   // Of the new points, for the manifest. Their source indices count from 0, the first new point.
@@ -66,7 +69,9 @@ struct Updated {
   std::uint32_t version = 1;                         // of the new result
   // Tiles that had fresh points; that were triangulated; and of these, those that have changed.
   std::uint64_t begun = 0, awake = 0, written = 0;
-  bool anew = false;        // all tiles were triangulated
+  bool anew = false;  // all tiles were triangulated
+  // A dry run has counted the tiles with new or removed points, and all that touch them, instead of the following ones.
+  bool estimated = false;
   std::uint64_t split = 0;  // tiles that had grown too large and were split
   // As the result was: own points of the tiles that were triangulated, and the bytes of the files of those that have
   // changed.

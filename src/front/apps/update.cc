@@ -217,6 +217,7 @@ void print(const AskedUpdate& request, const ResultChange& change, const Updated
     told["tiles_changed"] = updated.written;
     told["points_sent"] = updated.exchange.sent;
     if (dry) {
+      told["estimated"] = updated.estimated;
       told["bytes"] = updated.old_bytes;
       told["seconds"] = seconds;
     }
@@ -236,6 +237,10 @@ void print(const AskedUpdate& request, const ResultChange& change, const Updated
   if (updated.anew) {
     say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n",
         dry ? "would be" : "were");
+  } else if (updated.estimated) {
+    say("about %s tiles would be triangulated again, at most: those with new or removed points, and those beside "
+        "them\n",
+        grouped(updated.awake).c_str());
   } else {
     say("%s tiles %s triangulated again, and %s of them %s\n", grouped(updated.awake).c_str(),
         dry ? "would be" : "were", grouped(updated.written).c_str(), dry ? "would change" : "have changed");
