@@ -4,13 +4,9 @@
 #include <functional>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace tessera {
-namespace {
 
-// Splits `tile` in memory until each part should be below the limit. `points` are every `stride`-th of the tile.
-// Returns whether the tile was split at all.
 bool split_by_sample(Partition& partition, TileId tile, std::vector<Point> points, std::uint64_t stride,
                      std::uint64_t limit) {
   bool any = false;
@@ -33,8 +29,6 @@ bool split_by_sample(Partition& partition, TileId tile, std::vector<Point> point
   }
   return any;
 }
-
-}  // namespace
 
 Status split_large_tiles(Partition& partition, TileWriter& writer, const std::filesystem::path& folder,
                          std::size_t row_bytes, std::uint64_t limit, std::uint64_t memory_bytes, std::stop_token stop) {

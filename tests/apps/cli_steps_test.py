@@ -144,6 +144,13 @@ class UpdateSteps(CliTest):
                 for p in self.out.rglob("*") if p.name != "log.json"}  # which has the time
 
     def test_of_each_write_rename_and_sync(self):
+        self.check_each_step(1)
+
+    def test_of_each_step_with_tiles_that_are_split(self):
+        self.assertGreater(self.check_each_step(3, "--max-points-per-tile", "10"), len(self.manifest("base")["tiles"]))
+
+    def check_each_step(self, every, *more):
+        """Kills before every such step. Returns the number of tiles afterwards."""
         grid = np.array([[x, y] for x in range(8) for y in range(8)], float)
         points = np.concatenate([grid, grid[:5]])  # with duplicates
         self.ok("triangulate", self.save("points.npy", points), "-o", "base", "--dim", "2", "--tiles", "4", "--threads", "1", "--quiet")
@@ -155,14 +162,15 @@ class UpdateSteps(CliTest):
 
         # Changes duplicates, empties a tile, and adds points.
         gone = [0, 64, *[8 * x + y for x in range(4, 8) for y in range(4, 8)]]
-        arguments = ("update", "out", "--remove-ids", self.save("gone.npy", np.array(gone)), "--add", self.save("more.npy", grid[:3] + 0.5), "--threads", "1", "--quiet")
+        arguments = ("update", "out", "--remove-ids", self.save("gone.npy", np.array(gone)), "--add", self.save("more.npy", grid[:3] + 0.5), "--threads", "1", "--quiet", *more)
         begin()
         self.ok(*arguments)
         old, new = self.manifest("base")["digest2"], self.manifest()["digest2"]
         expected = self.contents()
-        seen, step = set(), 0
+        tiles = len(self.manifest()["tiles"])
+        seen, step = set(), 1 - every
         while True:
-            step += 1
+            step += every
             begin()
             done = self.run_tessera(*arguments, env={"LD_PRELOAD": os.environ["KILL_AT_CALL"], "KILL_AT": str(step), "KILL_AT_WRITES": "1"})
             if done.returncode == 0:
@@ -182,6 +190,7 @@ class UpdateSteps(CliTest):
                     self.ok("verify", "out", "--quiet")
         self.assertEqual(seen, {1, 2})
         self.assertGreater(step, 40)
+        return tiles
 
 
 if __name__ == "__main__":

@@ -236,6 +236,43 @@ class Versions(CliTest):
         self.ok("measure", "out", "--density", "--quiet")
         self.refused(USAGE, "update", "out", *self.remove(5), says="computed column 'density'")
 
+    def test_tiles_that_grow_too_large_are_split_and_every_command_reads_them(self):
+        grow = self.random.random((300, 3)) * (4, 4, 1) + (1, 1, 0)
+        for store in ("cells", "points"):
+            with self.subTest(store=store):
+                shutil.rmtree(self.out, ignore_errors=True)
+                points = np.column_stack([self.random.random((400, 2)) * 10, self.random.random(400)])
+                given = ("--dim", "2", "--attributes", "z")
+                self.triangulate(points, "out", *given, "--tiles", "4", "--store", store)
+                self.ok("measure", "out", "--volume", "--voronoi", "--quiet")
+                before = self.products(None, "before")
+                told = self.update("--add", self.save("more.npy", grow), "--max-points-per-tile", "70", "--keep-versions", "9")
+                self.assertGreater(told["tiles_split"], 0)
+                self.assertGreater(told["tiles"], 4 + 300 / 70)
+                partition = self.manifest()["partition"]
+                self.assertEqual(partition["split_above"], 70)
+                self.assertEqual(len(partition["boxes"]), partition["tiles"])
+                self.ok("verify", "out", "--quiet")
+                self.assertEqual(self.products(2, "old"), before)  # with the partition of that time
+                self.ok("verify", "out", "--version", "2", "--quiet")
+                self.triangulate(np.concatenate([points, grow]), "scratch", *given, "--tiles", "9", "--overwrite")
+                self.assertEqual(self.manifest()["digest2"], self.manifest("scratch")["digest2"])
+                for command, *options in (("dem", "--res", "0.5"), ("contours", "--interval", "0.1"), ("profile", "--line", "1,1 9,8")):
+                    ending = ".geojson" if command == "contours" else ".csv" if command == "profile" else ".tif"
+                    made = [self.folder / f"{result}{ending}" for result in ("out", "scratch")]
+                    for file in made:
+                        self.ok(command, file.stem, *options, "-o", file.name, "--quiet", "--overwrite")
+                    one, other = (file.read_bytes().replace(b"scratch", b"out") for file in made)
+                    self.assertEqual(one, other, command)
+                self.products(None, "after")
+                self.ok("tileset", "out", "-o", f"tileset-{store}", "--quiet")
+                self.ok("surface", "out", "-o", "mesh.ply", "--sensor", "vertical", "--quiet", "--overwrite")
+                self.ok("verify", "mesh.ply", "--of", "out", "--quiet")
+                self.ok("measure", "scratch", "--volume", "--voronoi", "--quiet")
+                if store == "points":
+                    self.ok("materialise", "out", "--quiet")
+                self.assertEqual(self.columns_of("out"), self.columns_of("scratch"))
+
     def test_a_reader_keeps_its_version_while_others_are_written(self):
         cloud = self.random.random((4000, 3))
         self.triangulate(cloud, "out", "--tiles", "12", "--store", "points")

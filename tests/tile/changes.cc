@@ -586,7 +586,7 @@ std::vector<LocalPoint> World::added(const PointIds& removed, bool again) {
       out.push_back({outside[k], PointId{next_id_++}});
     }
   }
-  for (const PointId id : removed) {
+  for (const PointId id : removed.sorted()) {
     if (again && rng_() % 2 == 0) out.push_back({at(id), PointId{next_id_++}});
   }
   return out;
@@ -649,7 +649,8 @@ std::string World::change(const Change& change, bool counted) {
   ++(change.added.empty() ? report.removals : change.removed.empty() ? report.additions : report.both);
   report.tiles += setting_.tiles;
   setting_.seen_before = setting_.removed.size();
-  setting_.removed.insert(setting_.removed.end(), change.removed.begin(), change.removed.end());
+  const std::vector<PointId> gone = change.removed.sorted();
+  setting_.removed.insert(setting_.removed.end(), gone.begin(), gone.end());
   std::string wrong = Exchange(setting_, tile_, rng_, report).run(change, stayed);
   cloud_ = std::move(next);
   ids_.clear();

@@ -459,6 +459,20 @@ TEST_F(Update, ThatIsDryWritesNothingAndTellsTheSame) {
   EXPECT_EQ(dry.value().begun, updated.begun);
   EXPECT_EQ(dry.value().awake, updated.awake);
   EXPECT_EQ(dry.value().written, updated.written);
+  EXPECT_FALSE(dry.value().estimated);
+}
+
+TEST_F(Update, ThatIsDryAndLargeIsEstimatedByTheTilesOfItsPointsAndThoseThatTouchThem) {
+  make(planar, 6000, seed, true);
+  const ResultChange wanted = change({cloud_.points[17].id, cloud_.points[18].id}, {{0.5, 0.5, 0}});
+  const auto dry = update_here(now(), wanted, {.threads = 2, .dry_run = true, .dry_points = 100});
+  ASSERT_TRUE(dry) << dry.error().where;
+  EXPECT_TRUE(dry.value().estimated);
+  const Updated updated = update(wanted);
+  EXPECT_EQ(dry.value().removed, 2u);
+  EXPECT_GE(dry.value().awake, updated.awake);
+  EXPECT_GE(dry.value().begun, 1u);
+  EXPECT_LT(dry.value().awake, 20u);
 }
 
 // The same tiles as with much memory, where hardly two tiles fit, and those that wait are on disk.

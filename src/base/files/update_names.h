@@ -25,5 +25,7 @@ inline std::filesystem::path update_tile_file(const std::filesystem::path& folde
 }
 // The changed result, until it is whole.
 inline std::filesystem::path update_result_folder(const std::filesystem::path& run) { return run / "result"; }
+// The same, when tiles have grown too large and are split.
+inline std::filesystem::path update_split_folder(const std::filesystem::path& run) { return run / "split"; }
 
 }  // namespace tessera

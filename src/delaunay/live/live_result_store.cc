@@ -1,6 +1,4 @@
 // How the newest version of a live result is written.
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -8,6 +6,7 @@
 #include <string>
 
 #include "src/base/files/folder.h"
+#include "src/base/files/linked_file.h"
 #include "src/base/files/temporary.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"

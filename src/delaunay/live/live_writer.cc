@@ -1,14 +1,11 @@
 #include "src/delaunay/live/live_writer.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <numeric>
 #include <utility>
 
-#include "src/base/files/whole_file.h"
 #include "src/base/on_threads.h"
 #include "src/result/store/digest.h"
 #include "src/result/store/points_tile.h"
@@ -18,12 +15,6 @@
 namespace tessera {
 
 namespace fs = std::filesystem;
-
-Status link_or_copy(const fs::path& from, const fs::path& to) {
-  if (::link(from.c_str(), to.c_str()) == 0) return success();
-  BOOST_OUTCOME_TRY(bytes, read_whole(from));
-  return write_whole(to, bytes);
-}
 
 // A tile without a file gets one like the others.
 TileKind LiveWriter::kind_of(TileId tile) const {

@@ -15,9 +15,6 @@
 
 namespace tessera {
 
-// Makes a hard link, or a copy where the file system has no hard links.
-Status link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to);
-
 class LiveWriter {
  public:
   using Rows = std::map<PointId, std::vector<std::byte>>;

@@ -21,6 +21,7 @@
 #include "src/exchange/disk_scratch.h"
 #include "src/tiling/affine_basis.h"
 #include "src/tiling/budget/budget.h"
+#include "src/tiling/routed_cloud.h"
 #include "src/tiling/seed_finder.h"
 
 namespace tessera {
@@ -37,17 +38,30 @@ Result<TileMesh> read_mesh(const TileSource& source, TileId tile) {
   return mesh;
 }
 
+// Whether points of the tile only go, or stay.
+bool only_loses(const UpdatePlan& plan, TileId tile) { return plan.heirs.empty() && !plan.added.contains(tile); }
+
+// REQUIRES: only_loses(). In the order of the mesh.
+std::vector<LocalPoint> points_that_stay(const TileMesh& mesh, const UpdatePlan& plan) {
+  std::vector<LocalPoint> left;
+  left.reserve(mesh.ids.size());
+  for (std::size_t v = 0; v < mesh.ids.size(); ++v) {
+    if (mesh.point_ghost[v] == 0 && !plan.removed.contains(mesh.ids[v])) left.push_back({mesh.points[v], mesh.ids[v]});
+  }
+  return left;
+}
+
+Bounds bounds_of(std::span<const LocalPoint> points) {
+  Bounds bounds;
+  for (const LocalPoint& p : points) bounds.add(p.at);
+  return bounds;
+}
+
 // The tile's points after the change: distinct, in any order.
 Result<std::vector<LocalPoint>> points_left(const TileSource& source, const UpdatePlan& plan, TileId tile) {
   BOOST_OUTCOME_TRY(mesh, read_mesh(source, tile));
+  if (only_loses(plan, tile)) return points_that_stay(mesh, plan);
   std::vector<LocalPoint> left;
-  if (plan.heirs.empty() && !plan.added.contains(tile)) {
-    for (std::size_t v = 0; v < mesh.ids.size(); ++v) {
-      if (mesh.point_ghost[v] == 0 && !plan.removed.contains(mesh.ids[v]))
-        left.push_back({mesh.points[v], mesh.ids[v]});
-    }
-    return left;
-  }
   const StartOfTile start = start_of(tile, std::move(mesh), plan, {});
   for (std::size_t v = 0; v < start.points.size(); ++v) left.push_back({start.points[v], start.ids[v]});
   return left;
@@ -144,6 +158,7 @@ class ChangedPointsOfResult final : public TilePoints {
   // Of equal points the first is kept; the others are known from changed().
   Result<LoadedTile> load(TileId tile) const override {
     BOOST_OUTCOME_TRY(mesh, read_mesh(source_, tile));
+    if (only_loses(*plan_, tile)) return load_what_stays(tile, std::move(mesh));
     StartOfTile points = start_of(tile, std::move(mesh), *plan_, {});
     LoadedTile loaded;
     loaded.points = std::move(points.points);
@@ -168,6 +183,29 @@ class ChangedPointsOfResult final : public TilePoints {
   }
 
  private:
+  LoadedTile load_what_stays(TileId tile, TileMesh mesh) const {
+    const std::vector<LocalPoint> left = points_that_stay(mesh, *plan_);
+    TileEnd end{.begun = true, .awake = true, .changed = true, .bounds = bounds_of(left)};
+    for (std::size_t v = 0; v < mesh.ids.size(); ++v) {
+      if (mesh.point_ghost[v] != 0 || !plan_->removed.contains(mesh.ids[v])) continue;
+      end.lost = true;
+      end.removed_bounds.add(mesh.points[v]);
+    }
+    mesh = {};
+    LoadedTile loaded;
+    if (!end.lost) {  // the order is still that of the points
+      for (const LocalPoint& p : left) {
+        loaded.points.push_back(p.at);
+        loaded.ids.push_back(p.id);
+      }
+    } else {
+      loaded = order_points(left, dimension());
+    }
+    const std::lock_guard lock(mutex_);
+    ends_[tile] = std::move(end);
+    return loaded;
+  }
+
   TileSource source_;
   std::shared_ptr<const UpdatePlan> plan_;
   mutable RowsOfTiles rows_;

@@ -89,7 +89,7 @@ StartOfTile start_of(TileId self, TileMesh stored, const UpdatePlan& plan, const
     PointIds known;
     for (const SharedPoint& p : start.foreign) known.insert(p.id);
     for (const SharedPoint& p : told.around) {
-      if (p.tile != self && known.insert(p.id).second) start.foreign.push_back(p);
+      if (p.tile != self && known.insert(p.id)) start.foreign.push_back(p);
     }
   }
   put_in_hilbert_order(start.foreign, dimension);

@@ -100,7 +100,7 @@ class Placer {
     plan_.duplicates.push_back({old->id, kept->id});
     replaced_[old->id] = kept->id;
     plan_.heirs[*place.vertex] = kept->id;
-    if (plan_.removed.insert(*place.vertex).second) plan_.old.keep(*place.vertex, place.row);
+    if (plan_.removed.insert(*place.vertex)) plan_.old.keep(*place.vertex, place.row);
     plan_.losing.insert(tile);
     return std::nullopt;
   }

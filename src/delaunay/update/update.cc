@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 #include <random>
-#include <set>
 #include <utility>
 
 #include "src/base/check.h"
@@ -19,6 +18,8 @@
 #include "src/delaunay/run/result_stages.h"
 #include "src/delaunay/run/run_folder.h"
 #include "src/delaunay/update/anew.h"
+#include "src/delaunay/update/change_estimate.h"
+#include "src/delaunay/update/grown_tiles.h"
 #include "src/delaunay/update/update_folder.h"
 #include "src/delaunay/update/update_plan.h"
 #include "src/delaunay/update/update_stages.h"
@@ -63,11 +64,8 @@ struct Wanted {
   bool anew = false;
 };
 
-// The tiles of new points and of removed points have fresh points, nearly always; the tiles beside them may have some.
 bool most_tiles_begin(const TileSource& source, const UpdatePlan& plan) {
-  std::set<TileId> begin = plan.losing;
-  for (const auto& [tile, points] : plan.added) begin.insert(tile);
-  return source.tiles() > 1 && begin.size() * 2 > source.tiles();
+  return source.tiles() > 1 && tiles_that_begin(plan).size() * 2 > source.tiles();
 }
 
 // Makes sure that the run has its plan: that of an earlier process, or a new one.
@@ -209,6 +207,16 @@ Result<Updated> try_update(const Wanted& wanted, const UpdateOptions& options, S
     for (const TileEntry& entry : wanted.source.manifest().tiles) updated.old_bytes += entry.bytes;
     return updated;
   }
+  const ChangeEstimate estimate = estimate_change(wanted.source, wanted.partition, wanted.plan);
+  if (estimate.begun_points > options.dry_points) {
+    Updated updated = counted({}, wanted);
+    updated.estimated = true;
+    updated.begun = estimate.begun;
+    updated.awake = updated.written = estimate.awake;
+    updated.old_points = estimate.points;
+    updated.old_bytes = estimate.bytes;
+    return updated;
+  }
   BOOST_OUTCOME_TRY(run, options.run.empty() ? TemporaryFolder::make() : TemporaryFolder::make(options.run));
   BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
   BOOST_OUTCOME_TRYV(runner.run(kind_of(wanted), path_of(wanted.source), run.path(), {}, options.progress, stop));
@@ -216,12 +224,36 @@ Result<Updated> try_update(const Wanted& wanted, const UpdateOptions& options, S
   return counted(ends, wanted);
 }
 
+// The new files, after tiles that have grown too large are split, and the partition that goes with them.
+struct Divided {
+  ChangedTiles tiles;
+  Partition partition;
+  std::uint64_t tile_points = 0;
+  std::uint64_t split = 0;
+};
+
+Result<Divided> divide(const fs::path& run, const Wanted& wanted, UpdatedResult::Ends ends,
+                       const UpdateOptions& options, const std::stop_token& stop) {
+  Divided divided{.tiles = {std::move(ends), update_result_folder(run)},
+                  .partition = wanted.partition,
+                  .tile_points = limit_of_tiles(wanted.source.manifest(), options.tile_points)};
+  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(divided.tiles.folder)));
+  GrownTiles grown(wanted.source, divided.tiles, stop);
+  BOOST_OUTCOME_TRY(split, grown.split(divided.partition, divided.tile_points));
+  divided.split = split.size();
+  if (split.empty()) return divided;
+  BOOST_OUTCOME_TRY(tiles, grown.write(divided.partition, split, update_split_folder(run)));
+  divided.tiles = std::move(tiles);
+  return divided;
+}
+
 // Returns the manifest of the new result.
-Result<Manifest> store(const fs::path& run, const Wanted& wanted, const UpdatedResult::Ends& ends,
-                       const ResultChange& change, const UpdateOptions& options, const std::stop_token& stop) {
-  const fs::path made = update_result_folder(run);
-  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(made)));
-  UpdatedResult next({wanted.source, wanted.plan, ends, change, options}, made, stop);
+Result<Manifest> store(const Wanted& wanted, const Divided& divided, const ResultChange& change,
+                       const UpdateOptions& options, const std::stop_token& stop) {
+  const fs::path& made = divided.tiles.folder;
+  UpdatedResult next(
+      {wanted.source, wanted.plan, divided.tiles.ends, divided.partition, divided.tile_points, change, options}, made,
+      stop);
   if (wanted.version) {
     BOOST_OUTCOME_TRYV(next.commit(*wanted.version));
     return wanted.version->manifest();
@@ -244,7 +276,9 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
       runner.run(kind_of(wanted), path_of(wanted.source), run.path(), run.lock_file(), options.progress, stop));
   BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
   Updated updated = counted(ends, wanted);
-  BOOST_OUTCOME_TRY(made, store(run.path(), wanted, ends, change, options, stop));
+  BOOST_OUTCOME_TRY(divided, divide(run.path(), wanted, std::move(ends), options, stop));
+  updated.split = divided.split;
+  BOOST_OUTCOME_TRY(made, store(wanted, divided, change, options, stop));
   run.done();
   updated.vertices = made.vertices;
   updated.cells = made.cells;

@@ -52,7 +52,12 @@ struct UpdateOptions {
   LockOptions lock = {};
   std::function<void(double)> progress = {};  // is told how much is done, from 0 to 1
   UpdateWay way = UpdateWay::cheapest;
-  bool dry_run = false;                   // only find out what would change
+  // A tile with more points is split (grown_tiles.h). 0: as an earlier change has said, else by the largest tile.
+  std::uint64_t tile_points = 0;
+  bool dry_run = false;  // only find out what would change
+  // If tiles with new or removed points have more old points than this together, a dry run estimates what would change,
+  // because the exchange of so many tiles takes long.
+  std::uint64_t dry_points = 2'000'000;
   std::vector<std::string> command = {};  // for the manifest, and for the log of versions
   // The manifest keeps the command that made the result, and only the log gets the new one.
   bool keep_command = false;
@@ -70,6 +75,9 @@ struct Updated {
   // Tiles that had fresh points; that were triangulated; and of these, those that have changed.
   std::uint64_t begun = 0, awake = 0, written = 0;
   bool anew = false;  // all tiles were triangulated
+  // A dry run has counted the tiles with new or removed points, and all that touch them, instead of the following ones.
+  bool estimated = false;
+  std::uint64_t split = 0;  // tiles that had grown too large and were split
   // As the result was: own points of the tiles that were triangulated, and the bytes of the files of those that have
   // changed.
   std::uint64_t old_points = 0, old_bytes = 0;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -12,10 +10,8 @@
 #include "src/base/files/there.h"
 #include "src/base/files/update_names.h"
 #include "src/base/stopped.h"
+#include "src/delaunay/update/points_of_mesh.h"
 #include "src/exchange/tile_storage.h"
-#include "src/result/store/digest.h"
-#include "src/result/store/points_tile.h"
-#include "src/tiling/hilbert.h"
 
 namespace tessera {
 
@@ -84,52 +80,14 @@ TileKind UpdateFolder::kind_of(TileId tile) const {
   return points ? TileKind::points : TileKind::cells;
 }
 
-Result<TileEntry> UpdateFolder::write_as_points(TileId tile, const TileMesh& mesh,
-                                                const std::vector<std::byte>& rows) const {
-  const Manifest& manifest = source_.manifest();
-  const auto own = static_cast<std::size_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
-  Bounds bounds;
-  for (std::size_t v = own; v < mesh.points.size(); ++v) bounds.add(mesh.points[v]);
-  const HilbertKey key(bounds, manifest.dimension);
-  std::vector<std::size_t> order(mesh.points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin() + static_cast<std::ptrdiff_t>(own), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(key(mesh.points[a]), mesh.ids[a]) < std::pair(key(mesh.points[b]), mesh.ids[b]);
-  });
-  std::vector<Point> points;
-  std::vector<PointId> ids;
-  std::vector<TileId> owners;
-  std::vector<std::byte> ordered(rows.size());
-  const std::size_t width = row_bytes(manifest.schema);
-  for (const std::size_t v : order) {
-    if (width > 0) std::memcpy(&ordered[points.size() * width], &rows[v * width], width);
-    points.push_back(mesh.points[v]);
-    ids.push_back(mesh.ids[v]);
-    owners.push_back(mesh.owners[v]);
-  }
-  CountedCells counted;
-  counted.cells = mesh.cell_ghost.size();
-  counted.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
-  counted.digest = CellDigest(manifest.dimension, mesh.ids).of(mesh.cells, mesh.cell_ghost.data());
-  return write_points_tile(update_result_folder(run_),
-                           {.dimension = manifest.dimension,
-                            .tile = tile,
-                            .own = own,
-                            .points = points,
-                            .ids = ids,
-                            .owners = owners,
-                            .schema = manifest.schema,
-                            .rows = ordered},
-                           counted, {.schema = manifest.schema, .node = node_, .sync = many_nodes_, .stop = stop_});
-}
-
 Result<TileEntry> UpdateFolder::write(TileId tile, CollectedTile& cells) {
   const Manifest& manifest = source_.manifest();
   BOOST_OUTCOME_TRY(rows, rows_.of(tile, cells.mesh.ids, cells.mesh.owners));
-  if (kind_of(tile) == TileKind::points) return write_as_points(tile, std::move(cells).whole(), rows);
   const StoreOptions options{
       .neighbors = manifest.neighbors, .schema = manifest.schema, .node = node_, .sync = many_nodes_, .stop = stop_};
-  return write_tile(update_result_folder(run_), tile, cells.mesh, cells, rows, options);
+  const fs::path folder = update_result_folder(run_);
+  if (kind_of(tile) == TileKind::points) return write_as_points(folder, tile, std::move(cells).whole(), rows, options);
+  return write_tile(folder, tile, cells.mesh, cells, rows, options);
 }
 
 Result<TileEnd> read_end(const fs::path& run, std::uint64_t seal, TileId tile) {

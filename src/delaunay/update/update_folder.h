@@ -24,7 +24,6 @@ class UpdateFolder final : public UpdateStore {
 
  private:
   Result<TileEntry> write(TileId tile, CollectedTile& cells);
-  Result<TileEntry> write_as_points(TileId tile, const TileMesh& mesh, const std::vector<std::byte>& rows) const;
   TileKind kind_of(TileId tile) const;
 
   TileSource source_;

@@ -69,7 +69,7 @@ Result<std::map<TileId, std::uint64_t>> find_vertices(const TileSource& source, 
       if (ids.empty()) continue;
       found += ids.size();
       const std::lock_guard lock(mutex);
-      plan.removed.insert(ids.begin(), ids.end());
+      plan.removed.insert(ids);
       plan.losing.insert(source.entry(i).tile);
       lost[source.entry(i).tile] = ids.size();
     }
@@ -77,7 +77,7 @@ Result<std::map<TileId, std::uint64_t>> find_vertices(const TileSource& source, 
   }));
   if (plan.removed.size() == vertices.size()) return lost;
   std::optional<PointId> least;
-  for (const PointId id : vertices) {
+  for (const PointId id : vertices.sorted()) {
     if (!plan.removed.contains(id) && (!least || id < *least)) least = id;
   }
   return error(Errc::usage, source.folder().string() + ": there is no point " + to_string(*least) +
@@ -123,7 +123,8 @@ Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partit
   UpdatePlan plan;
   BOOST_OUTCOME_TRY(old, OldDuplicates::open(source));
   plan.old = std::move(old);
-  const PointIds wanted(change.remove.begin(), change.remove.end());
+  const PointIds wanted(change.remove);
+  plan.removed.reserve(change.remove);
   plan.removed_points = wanted.size();
   BOOST_OUTCOME_TRY(vertices, remove_duplicates(source, wanted, plan));
   BOOST_OUTCOME_TRY(lost, find_vertices(source, vertices, threads, plan));
@@ -147,9 +148,7 @@ Result<UpdatePlan> plan_update(const TileSource& source, const Partition& partit
 
 BigVector<std::byte> bytes_of(const UpdatePlan& plan) {
   FlatWriter out;
-  std::vector<PointId> removed(plan.removed.begin(), plan.removed.end());
-  std::sort(removed.begin(), removed.end());
-  out.list(removed);
+  out.list(plan.removed.sorted());
   out.list(std::vector<TileId>(plan.losing.begin(), plan.losing.end()));
   out.value(static_cast<std::uint64_t>(plan.added.size()));
   for (const auto& [tile, points] : plan.added) {
@@ -208,8 +207,7 @@ std::optional<UpdatePlan> update_plan_of(std::span<const std::byte> bytes) {
     plan.heir_rows[with_rows[i]].assign(row.begin(), row.end());
   }
   for (std::size_t i = 0; i < heirs.size(); i += 2) plan.heirs[PointId{heirs[i]}] = PointId{heirs[i + 1]};
-  plan.removed.reserve(removed.size());
-  plan.removed.insert(removed.begin(), removed.end());
+  plan.removed = PointIds(removed);
   plan.losing.insert(losing.begin(), losing.end());
   plan.duplicates_changed = duplicates_changed != 0;
   if (has_common != 0) plan.common = common;

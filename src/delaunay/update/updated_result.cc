@@ -1,14 +1,13 @@
 #include "src/delaunay/update/updated_result.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <limits>
 #include <utility>
 
-#include "src/base/files/whole_file.h"
+#include "src/base/files/linked_file.h"
 #include "src/base/stopped.h"
 #include "src/delaunay/update/changed_columns.h"
+#include "src/delaunay/update/grown_tiles.h"
 
 namespace tessera {
 
@@ -17,14 +16,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t rows_bytes = std::uint64_t{64} << 20;  // for sorting the attributes of duplicates
-
-// Makes a hard link, or a copy where the file system has no hard links. An earlier process may have made one.
-Status link_or_copy(const fs::path& from, const fs::path& to) {
-  BOOST_OUTCOME_TRYV(remove_file(to));
-  if (::link(from.c_str(), to.c_str()) == 0) return success();
-  BOOST_OUTCOME_TRY(bytes, read_whole(from));
-  return write_whole(to, bytes);
-}
 
 bool touches(const Bounds& inner, const Bounds& outer, int dimension) {
   if (inner.empty()) return false;
@@ -126,6 +117,8 @@ void UpdatedResult::describe(Manifest& manifest) const {
   manifest.inputs.insert(manifest.inputs.end(), added.begin(), added.end());
   manifest.points_read += change_.add.size();
   manifest.filtered += plan_.removed_points;
+  manifest.boxes = partition_.boxes();
+  manifest.partition = remember_limit(partition_.to_json(), tile_points_);
   manifest.seconds.clear();
   manifest.figures.clear();
   if (duplicates_changed()) manifest.other_heights.reset();  // they are not counted again

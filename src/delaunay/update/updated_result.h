@@ -2,6 +2,7 @@
 // manifest.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "src/delaunay/update/update_plan.h"
 #include "src/result/new_version.h"
 #include "src/result/store/duplicate_rows.h"
+#include "src/tiling/partition.h"
 
 namespace tessera {
 
@@ -28,6 +30,8 @@ class UpdatedResult {
     const TileSource& source;  // without columns
     const UpdatePlan& plan;
     const Ends& ends;  // what the tiles have become that the change has concerned
+    const Partition& partition;
+    std::uint64_t tile_points;  // a tile with more is too large
     const ResultChange& change;
     const UpdateOptions& options;
   };
@@ -36,6 +40,8 @@ class UpdatedResult {
       : source_(made.source),
         plan_(made.plan),
         ends_(made.ends),
+        partition_(made.partition),
+        tile_points_(made.tile_points),
         change_(made.change),
         options_(made.options),
         folder_(std::move(folder)),
@@ -64,6 +70,8 @@ class UpdatedResult {
   const TileSource& source_;
   const UpdatePlan& plan_;
   const Ends& ends_;
+  const Partition& partition_;
+  std::uint64_t tile_points_;
   const ResultChange& change_;
   const UpdateOptions& options_;
   std::filesystem::path folder_;

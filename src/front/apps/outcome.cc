@@ -178,6 +178,10 @@ void print_updated(const Json& told, const OutputOptions& output) {
   std::string way;
   if (read(told, "way", way) && way == "anew") {
     say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n", were);
+  } else if (told.value("estimated", false)) {
+    say("about %s tiles would be triangulated again, at most: those with new or removed points, and those beside "
+        "them\n",
+        count(told, "tiles_awake").c_str());
   } else if (!way.empty()) {
     say("%s tiles %s triangulated again, and %s of them %s\n", count(told, "tiles_awake").c_str(), were,
         count(told, "tiles_changed").c_str(), dry ? "would change" : "have changed");
@@ -190,6 +194,9 @@ void print_updated(const Json& told, const OutputOptions& output) {
           human_seconds(seconds->get<double>()).c_str());
     return;
   }
+  std::uint64_t split = 0;
+  if (read(told, "tiles_split", split) && split > 0)
+    say("%s tiles had grown too large and were split\n", count(told, "tiles_split").c_str());
   std::string name;
   if (read(told, "output", name))
     say("%s, version %s: %s vertices, %s cells in %s tiles\n", name.c_str(), count(told, "version").c_str(),

@@ -78,6 +78,13 @@ fs::path written_to(const AskedUpdate& request) {
   return request.options.to.empty() ? request.result : request.options.to;
 }
 
+// How many points a tile may have.
+Result<std::uint64_t> parse_tile_limit(const std::string& text) {
+  BOOST_OUTCOME_TRY(count, parse_count(text));
+  if (count == 0) return error(Errc::usage, "must be at least 1");
+  return count;
+}
+
 Result<AskedUpdate> read_request(Settings& settings, const UpdateFiles& files) {
   if (files.result.empty()) return error(Errc::usage, "no result folder is given; try 'tessera update --help'");
   AskedUpdate request{.result = files.result, .files = files, .box = settings.text("remove-box")};
@@ -100,6 +107,8 @@ Result<AskedUpdate> read_request(Settings& settings, const UpdateFiles& files) {
                  "nothing is to be changed; add --add FILES, --remove-ids FILE, --remove-class LIST, --remove-box BOX, "
                  "--remove-polygon FILE, --remove-time A..B or --remove-input FILE");
   if (replace && files.add.empty()) return error(Errc::usage, "--replace needs new points; add --add FILES");
+  BOOST_OUTCOME_TRY(limit, settings.get("max-points-per-tile", parse_tile_limit));
+  request.options.tile_points = limit.value_or(0);
   BOOST_OUTCOME_TRY(resume, settings.on("resume"));
   request.options.resume = resume && !dry_run;
   BOOST_OUTCOME_TRY(memory, memory_option(settings));
@@ -196,10 +205,13 @@ nlohmann::ordered_json told_of(const AskedUpdate& request, const ResultChange& c
   told["tiles_changed"] = updated.written;
   told["points_sent"] = updated.exchange.sent;
   if (dry) {
+    told["estimated"] = updated.estimated;
     told["bytes"] = updated.old_bytes;
     told["seconds"] = seconds_of(request, updated);
     return told;
   }
+  told["tiles_split"] = updated.split;
+  if (updated.split > 0) say("%s tiles had grown too large and were split\n", grouped(updated.split).c_str());
   told["tiles"] = updated.tiles;
   told["vertices"] = updated.vertices;
   told["cells"] = updated.cells;
@@ -270,6 +282,10 @@ Command add_update(CLI::App& root) {
   add_value(command, "remove-time", "A..B", "remove the points whose attribute gps_time is from A to B", 0, true);
   add_values(command, "remove-input", "FILE", files->inputs,
              "remove the points that came from this input file, which need not exist any more");
+  add_value(command, "max-points-per-tile", "N",
+            "split tiles that this or a later change leaves with more points, for example 500k; default: as before, at "
+            "first twice the points of the largest tile, and at least 100k",
+            0, true);
   add_switch(command, "dry-run", "write nothing, and tell what would change", 0, true);
   add_switch(
       command, "resume",

@@ -130,7 +130,9 @@ std::string partition_text(const json& value, const Manifest& manifest) {
       to_count(value.at("tiles")) != manifest.boxes.size() || !value.at("splits").is_array())
     throw json::other_error::create(501, "the partition does not fit the result", &value);
   const auto member = [&](const char* name) { return std::pair(std::string(name), value.at(name)); };
-  return json_text(json(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")}));
+  json partition(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")});
+  if (value.contains("split_above")) partition["split_above"] = to_count(value.at("split_above"));
+  return json_text(partition);
 }
 
 // In format 5 the name of the file has the checksum of the file.
@@ -242,7 +244,10 @@ std::string manifest_to_text(const Manifest& manifest) {
   if (!manifest.partition.empty()) {
     const json partition = parse_json(manifest.partition);
     result += ",\n    \"dimension\": " + json_text(partition.at("dimension")) +
-              ",\n    \"tiles\": " + json_text(partition.at("tiles")) + ",\n    \"splits\": ";
+              ",\n    \"tiles\": " + json_text(partition.at("tiles"));
+    if (partition.contains("split_above"))
+      result += ",\n    \"split_above\": " + json_text(partition.at("split_above"));
+    result += ",\n    \"splits\": ";
     result += lines(partition.at("splits"), "    ", [](const ordered_json& split) { return split; });
   }
   result += ",\n    \"boxes\": ";

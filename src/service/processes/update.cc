@@ -113,12 +113,14 @@ UpdateJson told_of(const proto::JobRecord& job, const UpdateRequest& request, co
   told["points_sent"] = updated.exchange.sent;
   if (dry) {
     const std::uint64_t limit = updated.old_points / std::max<std::uint64_t>(updated.awake, 1) + 1;
+    told["estimated"] = updated.estimated;
     told["bytes"] = updated.old_bytes;
     told["seconds"] = tessera::estimate(dimension, KernelKind::flat, TileKind::cells, updated.old_points, limit, true,
                                         0, {request.share.memory_bytes, request.share.threads})
                           .seconds;
     return told;
   }
+  told["tiles_split"] = updated.split;
   told["tiles"] = updated.tiles;
   told["vertices"] = updated.vertices;
   told["cells"] = updated.cells;

@@ -6,16 +6,12 @@
 #include <span>
 #include <vector>
 
-#include <tsl/robin_set.h>
-
 #include "src/base/ids.h"
-#include "src/base/mix_hash.h"
 #include "src/base/point.h"
 #include "src/geometry/mesh/tile_mesh.h"
+#include "src/tiling/tile/point_ids.h"
 
 namespace tessera {
-
-using PointIds = tsl::robin_set<PointId, MixHash>;
 
 struct ChangedPoints {
   std::vector<LocalPoint> own;       // the tile's own points that stay, in the order of the mesh, then the new ones
