@@ -211,7 +211,6 @@ nlohmann::ordered_json told_of(const AskedUpdate& request, const ResultChange& c
     return told;
   }
   told["tiles_split"] = updated.split;
-  if (updated.split > 0) say("%s tiles had grown too large and were split\n", grouped(updated.split).c_str());
   told["tiles"] = updated.tiles;
   told["vertices"] = updated.vertices;
   told["cells"] = updated.cells;

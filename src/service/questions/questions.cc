@@ -113,14 +113,15 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   if (answer) {
     answer.value().version = reader.stored.manifest().version;
     {
-    answer.value().version = newest ? std::optional(newest->number()) : stored_number;
-    return std::move(answer).value();
+      answer.value().version = newest ? std::optional(newest->number()) : stored_number;
+      return std::move(answer).value();
+    }
+    // An error that follows from the removal is no damage.
+    if (reader.gone.stop_requested())
+      return problem(410, "triangulation '" + name + "' was removed while the question was being answered",
+                     Errc::usage);
+    if (const auto reason = ledger.reason()) return problem_of(*reason);
+    return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
   }
-  // An error that follows from the removal is no damage.
-  if (reader.gone.stop_requested())
-    return problem(410, "triangulation '" + name + "' was removed while the question was being answered", Errc::usage);
-  if (const auto reason = ledger.reason()) return problem_of(*reason);
-  return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
-}
 
 }  // namespace tessera::service
