@@ -46,7 +46,6 @@ Answer answer_of(QuestionAnswer found) {
   }
   answer.headers.emplace_back("Tessera-Final", found.final ? "true" : "false");
   answer.headers.emplace_back("Tessera-Version", std::to_string(found.version));
-  if (found.version) answer.headers.emplace_back("Tessera-Version", std::to_string(*found.version));
   return answer;
 }
 

@@ -92,7 +92,8 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   const auto& reader = *opened.value();
   // One version answers the whole question: the newest one in memory, or the one that is stored.
   const KeptLive* kept = live_ ? live_->find(name) : nullptr;
-  const auto newest = kept && is_answered_in_memory(question) ? kept->current() : nullptr;
+  const bool in_memory = kept && version.value() == 0 && is_answered_in_memory(question);
+  const auto newest = in_memory ? kept->current() : nullptr;
   const auto stored_number = kept ? kept->number_of(reader.stored.manifest().version) : std::nullopt;
   const auto folder = TemporaryFolder::make(answers_folder(data_) / random_token());
   if (!folder) return problem_of(folder.error());
@@ -111,17 +112,15 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
     }
   }();
   if (answer) {
-    answer.value().version = reader.stored.manifest().version;
-    {
-      answer.value().version = newest ? std::optional(newest->number()) : stored_number;
-      return std::move(answer).value();
-    }
-    // An error that follows from the removal is no damage.
-    if (reader.gone.stop_requested())
-      return problem(410, "triangulation '" + name + "' was removed while the question was being answered",
-                     Errc::usage);
-    if (const auto reason = ledger.reason()) return problem_of(*reason);
-    return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
+    const std::uint64_t stored = reader.stored.manifest().version;
+    answer.value().version = newest ? newest->number() : stored_number.value_or(stored);
+    return std::move(answer).value();
   }
+  // An error that follows from the removal is no damage.
+  if (reader.gone.stop_requested())
+    return problem(410, "triangulation '" + name + "' was removed while the question was being answered", Errc::usage);
+  if (const auto reason = ledger.reason()) return problem_of(*reason);
+  return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
+}
 
 }  // namespace tessera::service

@@ -56,10 +56,9 @@ struct QuestionAnswer {
   std::string text = {};                // with the type below; or
   std::optional<ServedFile> file = {};  // a file, which has its own type
   std::string type = {};
-  // Of a live result: the number of the version that the answer is of.
-  std::optional<std::uint64_t> version = {};
-  bool final = true;          // the answer provably holds for the triangulation of all points
-  std::uint32_t version = 0;  // of the result, which the whole answer is of
+  // Of the result, which the whole answer is of; of a live result, the number that the version has in memory.
+  std::uint64_t version = 0;
+  bool final = true;  // the answer provably holds for the triangulation of all points
   // For features, whose text is a JSON object without its last brace: where the next page begins, if there is one.
   std::optional<std::uint64_t> next = {};
 };
