@@ -10,7 +10,7 @@
 set -uo pipefail
 source=$(cd "$(dirname "$0")/.." && pwd)
 build=$(realpath "${1:-$source/build/release}") fuzz=${2:-$source/build/fuzz}
-parts=${PARTS:-kills jobs machines pauses hostile network slow seeds models fuzz large}
+parts=${PARTS:-kills jobs machines pauses hostile network slow seeds models neighbours fuzz large}
 seeds=${SEEDS:-300000} fuzz_seconds=${FUZZ_SECONDS:-600} points=${POINTS_LARGE:-10M}
 export KILLS=${KILLS:-100} COORDINATOR_KILLS=${COORDINATOR_KILLS:-30} SEED=${SEED:-$(date +%Y%m%d)}
 export TESSERA=$build/src/front/apps/tessera TESSERAD=$build/src/front/daemon/tesserad IGN=$source/data/ign PYTHONDONTWRITEBYTECODE=1
@@ -28,6 +28,7 @@ part() {
   figures+=("$(printf '%-32s %-7s %6d s  %s' "$name" "$outcome" $((SECONDS - begin)) "$(figures_of "$log")")")
   echo "${figures[-1]}"
 }
+apps_test() { (cd "$source/tests/apps" && /usr/bin/python3 -m unittest -v "$1"); }
 daemon_test() { (cd "$source/tests/daemon" && /usr/bin/python3 -m unittest -v "$1"); }
 
 # Both dimensions, seven kinds of cloud, two partitions, two to four nodes, all that may go wrong.
@@ -92,6 +93,9 @@ for name in $parts; do
       UPDATE_EXCHANGE_SEEDS=$((seeds / 15)) part seeds-update-exchange "$build/tests/update/update_exchange_test" '--gtest_filter=ChangeOnActors.*'
       ;;
     models) part models /usr/bin/python3 "$source/tests/model/run.py" --full ;;
+    neighbours)
+      MORE_CLOUDS=${MORE_CLOUDS:-$source/tests/data/clouds} MORE_NEIGHBOURS=1 part neighbours apps_test cli_neighbours_test.Neighbours.test_all_files_of_a_folder_that_adjoin
+      ;;
     fuzz) if [ -d "$fuzz/tests/fuzz" ]; then part fuzz fuzz_all; else echo "fuzz: no build in $fuzz"; fi ;;
     large) part large-cloud large ;;
     *) echo "there is no part '$name'" >&2; exit 2 ;;
