@@ -22,7 +22,7 @@ VoronoiRequest voronoi_request(std::uint64_t memory, unsigned threads, bool over
 }
 
 // Returns (cells, unbounded, outside, size, note).
-py::tuple write(const Triangulation& self, const std::filesystem::path& target, VoronoiRequest request) {
+py::tuple write_voronoi_cells(const Triangulation& self, const std::filesystem::path& target, VoronoiRequest request) {
   const auto written = run_interruptible(
       [&](std::stop_token stop) { return write_voronoi(self, target, request.stop(std::move(stop))); });
   return py::make_tuple(written.cells, written.unbounded, written.outside, written.size, written.note);
@@ -38,7 +38,7 @@ void bind_voronoi(py::module_& module) {
       .def("clip_to_box", [](VoronoiRequest& self, const std::vector<double>& box) { self.clip_to_box(box); })
       .def("clip_to_file",
            [](VoronoiRequest& self, const std::filesystem::path& polygons) { self.clip_to_file(polygons); });
-  module.def("write_voronoi", &write);
+  module.def("write_voronoi", &write_voronoi_cells);
 }
 
 }  // namespace tessera::python
