@@ -19,7 +19,7 @@ namespace tessera {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Row = std::array<std::string, 10>;
+using VersionRow = std::array<std::string, 10>;
 
 std::string time_text(std::int64_t seconds) {
   const std::time_t time = seconds;
@@ -69,7 +69,7 @@ Json to_json(const ToldVersion& version) {
           {"software_version", entry.software_version}};
 }
 
-Row to_row(const Json& version) {
+VersionRow to_row(const Json& version) {
   const Json& digest = version.at("digest");
   return {std::to_string(number(version, "version")),
           printable(version.at("time").get<std::string>()),
@@ -83,12 +83,12 @@ Row to_row(const Json& version) {
           joined(version.at("command"), " ")};
 }
 
-std::string table(const std::vector<Row>& rows) {
-  std::array<std::size_t, std::tuple_size_v<Row>> widths{};
-  for (const Row& row : rows)
+std::string version_table(const std::vector<VersionRow>& rows) {
+  std::array<std::size_t, std::tuple_size_v<VersionRow>> widths{};
+  for (const VersionRow& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   std::string text;
-  for (const Row& row : rows) {
+  for (const VersionRow& row : rows) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
       line += (i == 0 ? "" : "  ") + row[i];
@@ -112,14 +112,14 @@ Result<std::string> describe_versions_of(const std::string& folder, const std::s
 }
 
 std::optional<std::string> versions_text(const Json& told) {
-  std::vector<Row> rows{
+  std::vector<VersionRow> rows{
       {"version", "time", "change", "vertices", "cells", "tiles written", "bytes", "digest", "readable", "command"}};
   try {
     for (const auto& version : told.at("versions")) rows.push_back(to_row(version));
   } catch (const Json::exception&) {
     return std::nullopt;
   }
-  return table(rows);
+  return version_table(rows);
 }
 
 Result<std::string> describe_versions(const std::string& folder, bool json) {
