@@ -162,7 +162,7 @@ class Changes(WithResult):
         self.assertIn("none.npy", self.refused(triangulation="cloud", inputs=["none.npy"])[1])
         status, detail = self.refused(triangulation="cloud", remove_ids=list(range(10**9, 10**9 + 60_000)))
         self.assertEqual(status, 413, detail)
-        self.assertIn("256.00 KiB", detail)
+        self.assertIn("at most 256 KiB are allowed", detail)
         np.save(self.inputs / "nan.npy", np.full((3, 3), np.nan))
         with_attribute = np.zeros(3, [("x", float), ("y", float), ("z", float), ("intensity", np.uint16)])
         np.save(self.inputs / "attribute.npy", with_attribute)
@@ -211,7 +211,7 @@ class Readers(WithResult):
 
     def test_every_answer_is_of_one_version(self):
         self.triangulate()
-        path = "/v1/triangulations/cloud/cells?bbox=0.05,0.05,0.05,0.12,0.12,0.12&f=csv"
+        path = "/v1/triangulations/cloud/cells?bbox=0.05,0.05,0.05,0.12,0.12,0.12&f=msh"
         seen, tags, problems, stop = {}, {}, [], threading.Event()
 
         def reader():
