@@ -236,9 +236,7 @@ inline begin() {
     up[me] = true;
     applied[me] = epoch;
     printf("tile %d.%d begins\n", me, INCARNATION(epoch, me));
-#ifndef KEEP_DEAD_MAIL
     drop_dead_mail();
-#endif
     if
     :: (OWN(me) & fresh) != 0 -> build()
     :: else
@@ -287,9 +285,7 @@ inline apply_table() {
       :: else
       fi
     }
-#ifndef KEEP_DEAD_MAIL
     drop_dead_mail();
-#endif
     check_quiet()
   }
 }
@@ -380,7 +376,7 @@ inline take() {
     :: else -> printf("  knows it, beside the points %d\n", neighbours)
     fi;
     if
-#ifdef FOREIGN_KNOWN_IS_NO_NEWS
+#ifdef KNOWN_IS_NO_NEWS
     :: marked && insert == 1
 #endif
     :: marked -> known_fresh[me] = known_fresh[me] | (1 << v)

@@ -1,5 +1,8 @@
 // Quiescence without losses (docs/cluster-design.md): actors/share_actor.h, src/exchange/detector.h, and the credit window.
 // A tile a node. Batches look alike, so a channel that need not keep their order is a number.
+// With CHANGE it is the exchange of a change of a stored result (src/delaunay/update/changed_program.h): every tile gets
+// a permit to begin. Tiles with fresh points call themselves then, and have their points from the step on that this
+// makes. The others do nothing, and sleep. Their own points come late: in the step that takes in their first mail.
 #define NODES 3
 #ifndef BATCHES  // updates sent at most, of all tiles together
 #define BATCHES 5
@@ -25,6 +28,12 @@ byte at_work;  // ghost
 // Messages from one actor to another keep their order.
 chan to_tile[NODES] = [1] of { mtype };
 chan to_part[NODES] = [3] of { mtype, byte, byte, byte };  // of mail, sent, processed
+#ifdef CHANGE
+bool call[NODES];  // a tile's empty update to itself is under way
+#define BEGINS true
+#else
+#define BEGINS (me < FRESH)
+#endif
 bool probe[NODES];
 bool idle_notice[NODES];  // is under way
 bool told_idle[NODES];    // since its last answer
@@ -62,12 +71,38 @@ inline give(from, to) {
 inline take_in(from) {
   wire[PAIR(from, me)]--;
   give(from, me);
+  put_into_mail()
+}
+
+inline put_into_mail() {
   mail[me]++;
   if
   :: told
   :: else -> told = true; to_part[me] ! notice(mail[me], 0, 0)
   fi
 }
+
+inline tell_report() {
+  processed[me] = processed[me] + taken;
+  live = live - taken;
+  taken = 0;
+  told = mail[me] > 0;
+  to_part[me] ! report(mail[me], sent[me], processed[me])
+}
+
+#ifdef CHANGE
+inline call_itself() {
+  if
+  :: me < FRESH ->
+    call[me] = true;
+    live++;
+#ifndef CALL_NOT_COUNTED
+    sent[me]++
+#endif
+  :: else
+  fi
+}
+#endif
 
 #ifdef RECEIVING_WAITS
 #define MAY_RECEIVE (wire[PAIR(me, 0)] + wire[PAIR(me, 1)] + wire[PAIR(me, 2)] == 0)
@@ -77,7 +112,10 @@ inline take_in(from) {
 
 proctype tile(byte me) {
   byte peer, taken;
-  bool told, begun = me >= FRESH;
+  bool told, begun = !BEGINS, has_points = true;
+#ifdef CHANGE
+  has_points = false;
+#endif
 end:
   do
   :: to_tile[me] ? grant ->
@@ -86,11 +124,26 @@ end:
       if
       :: begun -> taken = mail[me]; mail[me] = 0
       :: else -> begun = true  // mail waits for the first splay
+#ifdef CHANGE
+        ; call_itself()
+#endif
       fi
     }
+#ifdef CHANGE
+    atomic {
+      if
+      :: taken > 0 && !has_points ->
+        has_points = true;
+#ifdef WAKES_AFTER_REPORT
+        tell_report()
+#endif
+      :: else
+      fi
+    }
+#endif
     do  // others see each post before the report
     :: atomic {
-        budget > 0 ->
+        budget > 0 && has_points ->
         if
         :: peer = (me + 1) % NODES
         :: peer = (me + 2) % NODES
@@ -100,13 +153,12 @@ end:
     :: break
     od;
     atomic {
-      processed[me] = processed[me] + taken;
-      live = live - taken;
-      taken = 0;
       at_work--;
-      told = mail[me] > 0;
-      to_part[me] ! report(mail[me], sent[me], processed[me])
+      tell_report()
     }
+#ifdef CHANGE
+  :: atomic { call[me] -> call[me] = false; put_into_mail() }
+#endif
   :: atomic { MAY_RECEIVE && wire[PAIR((me + 1) % NODES, me)] > 0 -> take_in((me + 1) % NODES) }
   :: atomic { MAY_RECEIVE && wire[PAIR((me + 2) % NODES, me)] > 0 -> take_in((me + 2) % NODES) }
   od
@@ -133,8 +185,11 @@ inline hear_notice(n) {
 
 proctype part(byte me) {
   byte waiting, known_sent, known_processed, of_mail;
-  bool working = me < FRESH;
+  bool working = BEGINS;
   if
+#ifdef BEGINS_UNSEEN
+  :: working -> atomic { working = false; told_idle[me] = true; idle_notice[me] = true }; to_tile[me] ! grant
+#endif
   :: working -> to_tile[me] ! grant
   :: else -> atomic { told_idle[me] = true; idle_notice[me] = true }  // BeginPart, with nothing to do
   fi;

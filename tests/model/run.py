@@ -19,7 +19,11 @@ RIGHT = [("detector", ["FRESH=1", "BATCHES=2", "WINDOW=1"]),
          ("epochs", ["CRASHES=1", "BATCHES=1"]),
          ("loss", ["CRASHES=0"]),
          ("loss", ["CRASHES=1", "ANNOUNCED=1"]),
-         ("loss", ["CRASHES=2", "ANNOUNCED=1"])]
+         ("loss", ["CRASHES=2", "ANNOUNCED=1"]),
+         ("detector", ["CHANGE", "FRESH=1", "BATCHES=2", "WINDOW=1"]),
+         ("detector", ["CHANGE", "FRESH=2", "BATCHES=1", "WINDOW=1"]),
+         ("changed", ["CRASHES=0", "FRESH=2"]),
+         ("changed", ["CRASHES=1", "FRESH=1"])]
 FULL = [("detector", ["FRESH=1", "BATCHES=4"]),
         ("detector", ["FRESH=3", "BATCHES=2"]),
         ("epochs", ["CRASHES=1", "BATCHES=2"]),
@@ -40,16 +44,30 @@ WRONG = [("detector", ["FRESH=3", "BATCHES=3", "WINDOW=1", "BUSY_IGNORED"]),
          ("loss", ["CRASHES=1", "NO_REPLAY"]),
          ("loss", ["CRASHES=1", "NODES=2", "KEEP_DEAD_MAIL"]),
          ("loss", ["CRASHES=1", "KEEP_WORDS"]),
-         ("loss", ["CRASHES=1", "NO_RETELL"])]
+         ("loss", ["CRASHES=1", "NO_RETELL"]),
+         ("detector", ["CHANGE", "FRESH=2", "BATCHES=2", "WINDOW=1", "CALL_NOT_COUNTED"]),
+         ("detector", ["CHANGE", "FRESH=1", "BATCHES=2", "WINDOW=1", "WAKES_AFTER_REPORT"]),
+         ("detector", ["CHANGE", "FRESH=1", "BATCHES=2", "WINDOW=1", "BEGINS_UNSEEN"]),
+         ("changed", ["CRASHES=1", "FRESH=1", "QUOTES_NOT_REPLAYED"]),
+         ("changed", ["CRASHES=1", "FRESH=1", "BIT_NOT_REPLAYED"]),
+         ("changed", ["CRASHES=1", "FRESH=1", "KNOWN_IS_NO_NEWS"]),
+         ("changed", ["CRASHES=1", "FRESH=1", "REFUSED_NOT_INTRODUCED"]),
+         ("changed", ["CRASHES=1", "FRESH=1", "NO_REPLAY"]),
+         ("changed", ["CRASHES=1", "FRESH=1", "NO_RETELL"]),
+         ("changed", ["CRASHES=0", "FRESH=2", "QUOTES_NOTED"])]
 
 
 QUICK = [("detector", ["FRESH=1", "BATCHES=2", "WINDOW=1"]),
          ("epochs", ["CRASHES=0", "BATCHES=2"]),
          ("epochs", ["CRASHES=1", "BATCHES=1"]),
-         ("loss", ["CRASHES=1", "ANNOUNCED=1"])]
+         ("loss", ["CRASHES=1", "ANNOUNCED=1"]),
+         ("detector", ["CHANGE", "FRESH=1", "BATCHES=1", "WINDOW=1"]),
+         ("changed", ["CRASHES=0", "FRESH=1"])]
 QUICK_WRONG = [("epochs", ["BATCHES=1", "NO_INCARNATION_CHECK"]),
                ("epochs", ["BATCHES=1", "SILENT_AFTER_ANSWER"]),
-               ("loss", ["CRASHES=1", "NO_REPLAY"])]
+               ("loss", ["CRASHES=1", "NO_REPLAY"]),
+               ("detector", ["CHANGE", "FRESH=2", "BATCHES=2", "WINDOW=1", "CALL_NOT_COUNTED"]),
+               ("changed", ["CRASHES=1", "FRESH=1", "QUOTES_NOT_REPLAYED"])]
 
 
 def search(model, flags):
