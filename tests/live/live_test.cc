@@ -179,8 +179,9 @@ TEST_F(LiveOne, DoesNotLoseALogWhenTheResultIsChangedByOthers) {
   live_.reset();
   Engine engine(1, std::uint64_t{1} << 30, kinds_of_stages());
   Progress progress;
-  EngineStages stages(engine, {.threads = 1}, progress);
-  ASSERT_TRUE(update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages));
+  EngineStages stages(engine, {.threads = 1, .memory_bytes = std::uint64_t{1} << 30}, progress);
+  const auto updated = update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages);
+  ASSERT_TRUE(updated) << updated.error().where;
   const auto lost = LiveResult::open(folder_, {});
   ASSERT_FALSE(lost);
   EXPECT_NE(lost.error().where.find("000001.log: this log has changes of an older version"), std::string::npos)
@@ -212,8 +213,9 @@ TEST_F(LiveOne, GivesNoNumberOfAVersionTwice) {
   live_.reset();
   Engine engine(1, std::uint64_t{1} << 30, kinds_of_stages());
   Progress progress;
-  EngineStages stages(engine, {.threads = 1}, progress);
-  ASSERT_TRUE(update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages));
+  EngineStages stages(engine, {.threads = 1, .memory_bytes = std::uint64_t{1} << 30}, progress);
+  const auto updated = update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages);
+  ASSERT_TRUE(updated) << updated.error().where;
   open();
   ASSERT_NE(live_, nullptr);
   EXPECT_EQ(live_->current()->number(), last + 1);
