@@ -42,7 +42,7 @@ class LiveTest(DaemonTest):
     def proved(self, name="block"):
         """The number of vertices of the stored result, which is proved."""
         self.tessera("verify", self.folder / "data/results" / name)
-        return json.loads((self.folder / "data/results" / name / "manifest.json").read_text())["vertices"]
+        return json.loads((self.folder / "data/results" / name / "manifest.json").read_text())["counts"]["vertices"]
 
 
 class Points(LiveTest):

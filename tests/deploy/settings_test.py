@@ -9,10 +9,10 @@ import unittest
 SOURCE = pathlib.Path(os.environ["SOURCE"])
 TEXT = (SOURCE / "config/tesserad.toml").read_text()
 KEYS = {"listen", "metrics", "data", "inputs", "memory", "threads", "jobs", "uploads", "retention", "tls-certificate",
-        "tls-key", "public-url", "hosts", "insecure", "log", "print-token",
+        "tls-key", "public-url", "hosts", "insecure", "log", "print-token", "live", "live-memory",
         "cluster", "advertise", "join", "certs", "roles", "node-name", "cluster-name", "scratch", "lease", "grace",
         "drain-timeout"}
-LIMITS = {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"}
+LIMITS = {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease", "live-log"}
 
 
 class Settings(unittest.TestCase):

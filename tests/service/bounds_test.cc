@@ -170,7 +170,7 @@ class Bounds : public ServiceTest {
     RegionClouds clouds(0);
     // A result that the job changes is a copy.
     const auto changed = results_folder(data()) / "measured";
-    if (inputs.has_measure())
+    if (inputs.has_measure() || inputs.has_update())
       std::filesystem::copy(results_folder(data()) / "large", changed, std::filesystem::copy_options::recursive);
     const auto before = files_of_data();
     const Workshop shop{engine, roots.value(), results, data(), {}, {2, options.memory_bytes}, clouds};

@@ -164,7 +164,7 @@ class Planar(VoronoiTest):
         self.refused(USAGE, "voronoi", out, "-o", target, "--clip", "1,1,1,2", says="no area")
         self.refused(USAGE, "voronoi", out, "-o", target, "--clip", "1,2,3", says="--clip")
         self.refused(USAGE, "voronoi", out, "-o", target, "--clip", "nan,0,1,1", says="--clip")
-        self.refused(USAGE, "voronoi", out, "-o", target, "--clip", "land.shp", says=".geojson")
+        self.refused(USAGE, "voronoi", out, "-o", target, "--clip", "land.svg", says=".geojson")
         self.assertFalse(target.exists())
         target.write_text("mine")
         self.refused(USAGE, "voronoi", out, "-o", target, says="exists already")

@@ -54,7 +54,7 @@ void PolyhedronMaker::clear() { faces_.clear(); }
 
 void PolyhedronMaker::add_face(std::span<const Point> corners) {
   std::vector<Point> face(corners.begin(), corners.end());
-  face.erase(std::unique(face.begin(), face.end(), same), face.end());
+  face.erase(std::unique(face.begin(), face.end(), same_place), face.end());
   while (face.size() > 1 && same_place(face.front(), face.back())) face.pop_back();
   if (face.size() < 3) return;
   std::rotate(face.begin(), std::min_element(face.begin(), face.end(), place_before), face.end());
@@ -67,7 +67,7 @@ bool PolyhedronMaker::finish(Polyhedron& cell) {
   if (faces_.size() < 4) return false;
   for (const auto& face : faces_) cell.corners.insert(cell.corners.end(), face.begin(), face.end());
   std::sort(cell.corners.begin(), cell.corners.end(), place_before);
-  cell.corners.erase(std::unique(cell.corners.begin(), cell.corners.end(), same), cell.corners.end());
+  cell.corners.erase(std::unique(cell.corners.begin(), cell.corners.end(), same_place), cell.corners.end());
   for (const auto& face : faces_) {
     auto& numbers = cell.faces.emplace_back();
     for (const Point& p : face)
