@@ -266,8 +266,6 @@ class Versions(CliTest):
                     self.assertEqual(one, other, command)
                 self.products(None, "after")
                 self.ok("tileset", "out", "-o", f"tileset-{store}", "--quiet")
-                self.ok("surface", "out", "-o", "mesh.ply", "--sensor", "vertical", "--quiet", "--overwrite")
-                self.ok("verify", "mesh.ply", "--of", "out", "--quiet")
                 self.ok("measure", "scratch", "--volume", "--voronoi", "--quiet")
                 if store == "points":
                     self.ok("materialise", "out", "--quiet")

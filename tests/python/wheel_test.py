@@ -18,8 +18,8 @@ sys.path.insert(0, str(SOURCE / "python" / "backend"))
 import tessera_build  # noqa: E402
 
 # Of Debian 12; docs/python.md names their packages.
-SYSTEM = {"libcaf_core.so.0.17.6", "libexpat.so.1", "libgmp.so.10", "libprotobuf.so.32", "libxxhash.so.0", "libz.so.1",
-          "libzstd.so.1", "libstdc++.so.6", "libgcc_s.so.1", "libm.so.6", "libc.so.6", "ld-linux-x86-64.so.2"}
+SYSTEM = {"libcaf_core.so.0.17.6", "libexpat.so.1", "libgmp.so.10", "libmeshoptimizer.so.2d", "libprotobuf.so.32",
+          "libxxhash.so.0", "libz.so.1", "libzstd.so.1", "libstdc++.so.6", "libgcc_s.so.1", "libm.so.6", "libc.so.6", "ld-linux-x86-64.so.2"}
 
 
 def output_of(*command, **options):

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "src/base/flat_codec.h"
@@ -84,17 +85,19 @@ Result<std::map<TileId, std::uint64_t>> find_vertices(const TileSource& source, 
                                 " to remove: no vertex and no duplicate of this result has this source index");
 }
 
-// Any old point that stays will do. It is looked for in the smallest tiles first, as they are read fastest. A new point
-// is taken only when no old point stays. `lost`: how many points tiles lose at least.
+// Any old point that stays will do. It is looked for in the tiles that are read anyway, and then in others, the
+// smallest first, as they are read fastest. A new point is taken only when no old point stays. `lost`: how many points
+// tiles lose at least.
 Status choose_common(const TileSource& source, const std::map<TileId, std::uint64_t>& lost, UpdatePlan& plan) {
-  std::vector<std::pair<std::uint64_t, std::size_t>> order;
+  std::vector<std::tuple<bool, std::uint64_t, std::size_t>> order;
   for (std::size_t i = 0; i < source.tiles(); ++i) {
     const TileEntry& entry = source.entry(i);
     const auto losing = lost.find(entry.tile);
-    if (losing == lost.end() || losing->second < entry.own_points) order.emplace_back(entry.own_points, i);
+    if (losing == lost.end() || losing->second < entry.own_points)
+      order.emplace_back(losing == lost.end() && !plan.added.contains(entry.tile), entry.own_points, i);
   }
   std::sort(order.begin(), order.end());
-  for (const auto& [points, i] : order) {
+  for (const auto& [apart, points, i] : order) {
     BOOST_OUTCOME_TRY(stored, source.read(i, {.cells = false}));
     for (std::size_t v = 0; v < stored.mesh.ids.size() && !plan.common; ++v) {
       if (stored.mesh.point_ghost[v] == 0 && !plan.removed.contains(stored.mesh.ids[v]))
