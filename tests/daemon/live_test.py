@@ -238,7 +238,7 @@ class Points(LiveTest):
 
     def columns(self, block):
         classes, times = {}, {}
-        for tile in block.tiles():
+        for tile in block:
             own = ~tile.foreign
             for vertex, kind, time in zip(tile.ids[own], tile.attributes["class"][own], tile.attributes["time"][own]):
                 classes[int(vertex)], times[int(vertex)] = int(kind), float(time)
