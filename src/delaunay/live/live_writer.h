@@ -6,7 +6,6 @@
 #include <map>
 #include <mutex>
 #include <set>
-#include <span>
 #include <vector>
 
 #include "src/base/result.h"
@@ -29,12 +28,9 @@ class LiveWriter {
 
  private:
   Result<TileEntry> write_one(TileId tile, const std::filesystem::path& folder);
-  Result<TileEntry> write_points(TileId tile, const TileMesh& mesh, std::span<const std::byte> rows,
-                                 const std::filesystem::path& folder) const;
   Result<std::vector<std::byte>> rows_of(TileId tile, const TileMesh& mesh);
   // The stored attributes of the vertices of a tile.
   Result<const Rows*> stored_rows(TileId tile);
-  TileKind kind_of(TileId tile) const;
 
   const TileSource& source_;
   const LiveVersion& version_;

@@ -12,6 +12,13 @@
 
 namespace tessera {
 
+TileKind kind_in(const TileSource& result, TileId tile) {
+  if (const auto index = result.find(tile)) return result.entry(*index).kind;
+  const auto& all = result.manifest().tiles;
+  const bool points = std::all_of(all.begin(), all.end(), [](const auto& e) { return e.kind == TileKind::points; });
+  return points ? TileKind::points : TileKind::cells;
+}
+
 Result<TileEntry> write_as_points(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                                   std::span<const std::byte> rows, const StoreOptions& options) {
   const auto own = static_cast<std::size_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));

@@ -72,21 +72,14 @@ Status UpdateFolder::store(TileId tile, TileEnd end, CollectedTile* cells) {
                      bytes_of(end));
 }
 
-// A tile without a file gets one like the others.
-TileKind UpdateFolder::kind_of(TileId tile) const {
-  if (const auto index = source_.find(tile)) return source_.entry(*index).kind;
-  const auto& all = source_.manifest().tiles;
-  const bool points = std::all_of(all.begin(), all.end(), [](const auto& e) { return e.kind == TileKind::points; });
-  return points ? TileKind::points : TileKind::cells;
-}
-
 Result<TileEntry> UpdateFolder::write(TileId tile, CollectedTile& cells) {
   const Manifest& manifest = source_.manifest();
   BOOST_OUTCOME_TRY(rows, rows_.of(tile, cells.mesh.ids, cells.mesh.owners));
   const StoreOptions options{
       .neighbors = manifest.neighbors, .schema = manifest.schema, .node = node_, .sync = many_nodes_, .stop = stop_};
   const fs::path folder = update_result_folder(run_);
-  if (kind_of(tile) == TileKind::points) return write_as_points(folder, tile, std::move(cells).whole(), rows, options);
+  if (kind_in(source_, tile) == TileKind::points)
+    return write_as_points(folder, tile, std::move(cells).whole(), rows, options);
   return write_tile(folder, tile, cells.mesh, cells, rows, options);
 }
 

@@ -24,7 +24,6 @@ class UpdateFolder final : public UpdateStore {
 
  private:
   Result<TileEntry> write(TileId tile, CollectedTile& cells);
-  TileKind kind_of(TileId tile) const;
 
   TileSource source_;
   std::filesystem::path run_;
