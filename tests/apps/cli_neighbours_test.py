@@ -63,7 +63,8 @@ class Neighbours(CliTest):
         self.assertEqual(back["removed"], grown["added"])
         self.expect_same_cells("back", "out")
         self.expect_untouched("grown", "back", back)
-        self.expect_same_files("back", "out")
+        if not grown["tiles_split"]:  # parts of a tile that was split stay parts
+            self.expect_same_files("back", "out")
         for result in ("grown", "back"):
             self.ok("verify", result, "--quiet")
         return grown, back
