@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/input/ept/ept_names.h"
 #include "src/input/mesh/obj_reader.h"
 #include "src/input/mesh/off_reader.h"
 #include "src/input/mesh/stl_reader.h"
@@ -41,6 +42,7 @@ constexpr std::array<std::pair<std::string_view, FileFormat>, 17> endings{{{".la
                                                                            {".dat", FileFormat::text}}};
 
 FileFormat format_of_name(const std::filesystem::path& name) {
+  if (name.filename() == ept_file_name) return FileFormat::ept;
   const std::string extension = lower_extension(name);
   for (const auto& [ending, format] : endings)
     if (ending == extension) return format;
@@ -92,14 +94,14 @@ std::filesystem::path without_packing(const std::filesystem::path& path) {
   return path.parent_path() / path.stem();
 }
 
-std::string point_file_endings() { return listed_endings({}); }
+std::string point_file_endings() { return listed_endings({}) + ", " + ept_file_name; }
 
 Error unknown_format(const std::filesystem::path& path) {
   return error(Errc::bad_input,
                path.string() +
                    ": unknown format: its first bytes are not those of LAS, PLY, E57, PCD, OFF, OBJ, STL, NumPy, gzip "
-                   "or Zstandard, and its name does not end like that of a text (" +
-                   listed_endings(FileFormat::text) + ")");
+                   "or Zstandard, its name does not end like that of a text (" +
+                   listed_endings(FileFormat::text) + "), and it is not the " + ept_file_name + " of EPT");
 }
 
 }  // namespace tessera

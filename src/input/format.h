@@ -12,7 +12,23 @@
 
 namespace tessera {
 
-enum class FileFormat : std::uint8_t { unknown, las, npy, ply, off, obj, stl, e57, pcd, ptx, pts, text, gzip, zstd };
+enum class FileFormat : std::uint8_t {
+  unknown,
+  las,
+  npy,
+  ply,
+  off,
+  obj,
+  stl,
+  e57,
+  ept,
+  pcd,
+  ptx,
+  pts,
+  text,
+  gzip,
+  zstd
+};
 
 // The number of first bytes that is enough to tell the format.
 inline constexpr std::size_t format_bytes = 4096;

@@ -6,6 +6,7 @@
 
 #include "src/input/bytes/byte_source.h"
 #include "src/input/e57/e57_reader.h"
+#include "src/input/ept/ept_reader.h"
 #include "src/input/format.h"
 #include "src/input/las/las_reader.h"
 #include "src/input/mesh/obj_reader.h"
@@ -53,6 +54,8 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
       return open_stl(std::move(source), attributes);
     case FileFormat::e57:
       return open_e57(std::move(source), attributes);
+    case FileFormat::ept:
+      return open_ept(std::move(source), attributes, hints);
     case FileFormat::pcd:
       return open_pcd(std::move(source), attributes);
     case FileFormat::ptx:

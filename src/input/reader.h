@@ -25,7 +25,7 @@ struct CoordinateColumns {
 // What a reader knows about a file after opening it.
 struct FileInfo {
   std::filesystem::path path;
-  std::string format;    // "las", "laz", "ply", "off", "obj", "stl", "e57", "pcd", "ptx", "pts", "xyz", "npy"
+  std::string format;    // "las", "laz", "ply", "off", "obj", "stl", "e57", "ept", "pcd", "ptx", "pts", "xyz", "npy"
   std::string detail;    // "LAS 1.4, point format 7", "binary little endian, float"
   int dimension = 3;     // 2 when the file has only x and y
   bool degrees = false;  // x and y are called longitude and latitude
@@ -40,7 +40,7 @@ struct FileInfo {
   bool counts_up = false;           // text: x was found by its place, and its values look like numbers of points
   std::uint64_t seek_points = 0;    // LAZ: how many points are decoded, on average, to reach a point
   std::uint64_t parts = 1;          // text: the number of parts in which it can be read; see ReadHints
-  bool levels = false;              // COPC: the points are sorted by level of detail
+  bool levels = false;              // COPC, EPT: the points are sorted by level of detail
   std::string packing;              // "gzip" or "zstd" when the whole file is compressed
   std::uint64_t bytes = 0;          // size of the stored file
   std::uint64_t content_bytes = 0;  // size of the content: `bytes` unless the file is compressed
@@ -82,8 +82,8 @@ class PointReader {
 // Hints that let a reader read less or faster. The caller must still filter what the reader gives.
 struct ReadHints {
   std::optional<Box> crop = {};  // a closed box; the reader may skip points outside
-  double resolution = 0;         // COPC: read octree levels up to the first whose spacing is at most this; 0: read all
-  std::uint32_t threads = 1;     // how many threads may decompress at once
+  double resolution = 0;  // COPC, EPT: read octree levels up to the first whose spacing is at most this; 0: read all
+  std::uint32_t threads = 1;  // how many threads may decompress at once
   // Read only this part of the FileInfo::parts. All parts in order give the points of the whole file. Lines in errors
   // and in place() count from the beginning of the part, or with `count_lines`, which takes some time, from the
   // beginning of the file.

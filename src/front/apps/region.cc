@@ -135,7 +135,7 @@ Command add_region(CLI::App& root) {
       "  tessera region block/*.laz --bbox 0,0,9,9 -o part/ --max-points 20M --max-seconds 60 --partial\n\n"
       "The cells are those of the whole triangulation that have a point in common with the region, its border "
       "included.\n"
-      "Of a COPC file only the octree nodes that are needed are read; other files are read whole. Points that are\n"
+      "Of COPC and EPT only the octree nodes that are needed are read; other files are read whole. Points that are\n"
       "not read are taken to lie in the box that their file states, unless --scan is given.");
   add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: the region", 0, true);
   add_value(command, "polygon", "FILE", "the region: the polygons of a GeoJSON file, in the coordinates of the points",

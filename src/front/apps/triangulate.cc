@@ -94,7 +94,7 @@ Command add_triangulate(CLI::App& root) {
   auto inputs = std::make_shared<std::vector<std::string>>();
   add_argument(
       command, "inputs", "FILE", *inputs,
-      "LAS, LAZ, COPC, PLY, E57, PCD, PTX, PTS, OFF, OBJ, STL, XYZ/CSV or NPY files, also as .gz or .zst; folders "
+      "LAS, LAZ, COPC, EPT, PLY, E57, PCD, PTX, PTS, OFF, OBJ, STL, XYZ/CSV or NPY files, also as .gz or .zst; folders "
       "of them; patterns of "
       "their names; - for standard input");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {

@@ -56,8 +56,9 @@ void add_point_options(Command& command) {
             "folder of the file",
             0, true);
   add_source_options(command);
-  add_value(command, "resolution", "R",
-            "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
+  add_value(
+      command, "resolution", "R",
+      "COPC and EPT: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_dimension(command);
   add_threads_option(command);
   add_value(command, "memory", "SIZE",

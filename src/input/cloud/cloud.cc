@@ -68,8 +68,8 @@ Status check_file(const FileInfo& file, const CloudOptions& options) {
     return error(Errc::bad_input, file.path.string() + ": has only x and y, but a 3D triangulation needs z, too (see " +
                                       option("dim") + ")");
   if (options.resolution > 0 && !file.levels)
-    return error(Errc::usage, file.path.string() + ": is not COPC, so it has no levels for " + option("resolution") +
-                                  " to choose from");
+    return error(Errc::usage, file.path.string() + ": is neither COPC nor EPT, so it has no levels for " +
+                                  option("resolution") + " to choose from");
   for (const auto& [name, key] : filtered_by(options)) {
     if (std::none_of(file.attributes.begin(), file.attributes.end(),
                      [&, name = name](auto& a) { return a.name == name; }))

@@ -34,7 +34,7 @@ struct CloudOptions {
   std::vector<std::string> without = {};     // drop points with one of these flags: "withheld", "synthetic", ...
   std::vector<std::string> attributes = {};  // the names of attributes to carry, or {"all"}
   std::vector<std::string> columns = {};     // text, NumPy: the names of the columns; see ReadHints
-  double resolution = 0;                     // COPC only: the distance between points that is enough; 0: keep all
+  double resolution = 0;                     // COPC, EPT: the distance between points that is enough; 0: keep all
   std::uint32_t threads = 1;                 // how many threads may open, read and unpack files at once
   std::string crs = {};         // WKT or "EPSG:n" of all files, whatever the files say; empty: as the files say
   std::string input_list = {};  // a file that names more inputs; see InputQuestion

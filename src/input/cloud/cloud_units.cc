@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/input/ept/ept_nodes.h"
 #include "src/input/laz/copc_units.h"
 
 namespace tessera {
@@ -55,7 +56,9 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
   first_ids_.push_back(points_);
   if (info.levels) {
     BOOST_OUTCOME_TRY(source, cloud_.source(file));
-    BOOST_OUTCOME_TRY(nodes, laz::read_copc_units(*source, cloud_.options().resolution));
+    const double resolution = cloud_.options().resolution;
+    BOOST_OUTCOME_TRY(
+        nodes, info.format == "ept" ? ept::read_parts(*source, resolution) : laz::read_copc_units(*source, resolution));
     for (const auto& node : nodes) {
       list_.push_back({node.points, node.bytes, node.bounds});
       ranges_.push_back({file, node.first});
@@ -68,7 +71,7 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
   if (scan || (!info.levels && !(info.points && info.bounds))) {
     BOOST_OUTCOME_TRYV(scan_file(file, begin, stop));
   }
-  // A COPC file has more points than those of the wanted levels.
+  // A file with levels has more points than those of the wanted levels.
   points_ += info.levels ? *info.points + info.points_passed_over : list_.back().points;
   // Units without points are removed.
   for (std::size_t i = list_.size(); i-- > begin;) {

@@ -1,4 +1,4 @@
-// The units of files: a COPC node with its cube is a unit, and a whole file of another format is one.
+// The units of files: a node of COPC or EPT with its cube is a unit, and a whole file of another format is one.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@ namespace tessera {
 // The units of a cloud. Not thread-safe.
 class CloudUnits : public PointUnits {
  public:
-  // Opens the units of a cloud. Their bounds are what the files state: for COPC the node's cube within the header's
-  // box, for LAS and LAZ the header's box. They are widened by what rounding to the file's steps may cost. Files that
-  // state no bounds, and with `scan` all files, are read once to their end. Errors: those of reading; interrupted.
-  // REQUIRES: the cloud is not cropped.
+  // Opens the units of a cloud. Their bounds are what the files state: for COPC and EPT the node's cube within the
+  // header's box, for LAS and LAZ the header's box. They are widened by what rounding to the file's steps may cost.
+  // Files that state no bounds, and with `scan` all files, are read once to their end. Errors: those of reading;
+  // interrupted. REQUIRES: the cloud is not cropped.
   static Result<std::unique_ptr<CloudUnits>> open(Cloud cloud, bool scan, const std::stop_token& stop = {});
 
   const Cloud& cloud() const { return cloud_; }

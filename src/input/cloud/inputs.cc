@@ -13,6 +13,7 @@
 #include "src/base/files/there.h"
 #include "src/base/option.h"
 #include "src/input/bytes/line_reader.h"
+#include "src/input/ept/ept_names.h"
 #include "src/input/format.h"
 
 namespace tessera {
@@ -51,7 +52,10 @@ Status add_folder(const fs::path& folder, bool recursive, std::vector<std::strin
       // Links to folders are not followed, because they may form a circle.
       BOOST_OUTCOME_TRY(itself, is_folder(path, FollowLinks::no));
       BOOST_OUTCOME_TRY(result, is_result_folder(path));
-      if (recursive && itself && !result) {
+      BOOST_OUTCOME_TRY(ept, is_there(path / ept_file_name));
+      if (ept) {
+        files.push_back((path / ept_file_name).string());
+      } else if (recursive && itself && !result) {
         BOOST_OUTCOME_TRYV(add_folder(path, recursive, files, subfolders));
       }
     } else if (has_point_file_name(path)) {
@@ -66,6 +70,9 @@ Result<std::vector<std::string>> files_of_folder(const std::string& folder, bool
   BOOST_OUTCOME_TRY(result, is_result_folder(folder));
   if (result)
     return error(Errc::usage, folder + ": is a result folder, and holds no input; exporting it makes point files");
+  const std::string ept = (fs::path(folder) / ept_file_name).string();
+  BOOST_OUTCOME_TRY(whole, is_there(ept));
+  if (whole) return std::vector{ept};
   std::vector<std::string> files;
   bool subfolders = false;
   BOOST_OUTCOME_TRYV(add_folder(folder, recursive, files, subfolders));
@@ -87,8 +94,11 @@ Status add_inputs(const std::string& pattern, bool recursive, std::vector<InputN
       continue;
     }
     BOOST_OUTCOME_TRY(files, files_of_folder(path, recursive));
-    const std::string behind = " (it was found in the folder " + path + "; to leave it out, name the others, as in '" +
-                               (fs::path(path) / "*.las").string() + "')";
+    const bool ept = fs::path(files.front()).filename() == ept_file_name;  // then it is the only one
+    const std::string behind = ept ? ""
+                                   : " (it was found in the folder " + path +
+                                         "; to leave it out, name the others, as in '" +
+                                         (fs::path(path) / "*.las").string() + "')";
     for (auto& file : files) to.push_back({.path = std::move(file), .behind = behind});
   }
   return success();

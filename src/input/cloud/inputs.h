@@ -30,9 +30,9 @@ struct InputQuestion {
 
 // Returns the input files in order: `patterns`, then `list`. The files of one pattern or folder are sorted by bytes.
 // This order gives points their ids, so no locale may change it. A folder stands for the files in it whose names are
-// those of formats that can be read, without hidden files. In a list, blank lines and lines that begin with '#' are
-// skipped, and relative paths begin at the list's folder. Errors: no file matches; no such file is in a folder; the
-// folder is a result; standard input is named twice.
+// those of formats that can be read, without hidden files. A folder with an ept.json stands for that cloud alone. In a
+// list, blank lines and lines that begin with '#' are skipped, and relative paths begin at the list's folder. Errors:
+// no file matches; no such file is in a folder; the folder is a result; standard input is named twice.
 Result<std::vector<InputName>> find_inputs(const InputQuestion& question, Spool& spool);
 
 // Whether a folder has a triangulation, or a part of one, in it.

@@ -10,7 +10,7 @@
 
 namespace tessera::laz {
 
-Result<std::vector<CopcUnit>> read_copc_units(const ByteSource& source, double resolution) {
+Result<std::vector<FilePart>> read_copc_units(const ByteSource& source, double resolution) {
   const std::string path = source.path().string();
   BOOST_OUTCOME_TRY(header, read_las_header(source));
   BOOST_OUTCOME_TRY(layout, read_laz_layout(path, header.laszip, header.point_format, header.record_bytes));
@@ -26,7 +26,7 @@ Result<std::vector<CopcUnit>> read_copc_units(const ByteSource& source, double r
     return error(Errc::bad_input, path + ", COPC hierarchy: the hierarchy leaves out " +
                                       std::to_string(filled - chosen.size()) + " of the " + std::to_string(filled) +
                                       " chunks with points");
-  std::vector<CopcUnit> units;
+  std::vector<FilePart> units;
   for (std::size_t i = 0; i < chosen.size(); ++i)
     units.push_back({chosen[i].first, chosen[i].points, chosen[i].end - chosen[i].begin, nodes[i].bounds});
   return units;

@@ -15,7 +15,7 @@ namespace tessera {
 namespace {
 
 constexpr std::uint32_t header_bytes_max = 65'536;
-constexpr std::uint64_t columns_max = 4096;
+constexpr std::uint64_t npy_columns_max = 4096;
 constexpr std::size_t row_bytes_max = std::size_t{1} << 20;
 
 struct ArrayLiteral {
@@ -176,7 +176,7 @@ std::string settle_fields(const ArrayLiteral& literal, NpyHeader& header) {
   if (literal.shape.size() != 1)
     return "has shape " + shape_text(literal) +
            "; an array with named columns must have one dimension, the number of points";
-  if (literal.fields.size() > columns_max) return "has more than " + std::to_string(columns_max) + " columns";
+  if (literal.fields.size() > npy_columns_max) return "has more than " + std::to_string(npy_columns_max) + " columns";
   for (const auto& [name, type] : literal.fields) {
     const auto number = type.empty() ? std::nullopt : number_type(std::string_view(type).substr(1));
     const auto free = padding(type);
@@ -199,8 +199,8 @@ std::string settle_plain(const ArrayLiteral& literal, NpyHeader& header) {
   const std::string& type = literal.type;
   if (type != "<f8" && type != ">f8" && type != "<f4" && type != ">f4")
     return "holds type '" + printable(type) + "'; arrays of f4 or f8, and of named columns, are read";
-  if (literal.shape.size() != 2 || literal.shape[1] < 2 || literal.shape[1] > columns_max)
-    return "has shape " + shape_text(literal) + "; shapes from n x 2 to n x " + std::to_string(columns_max) +
+  if (literal.shape.size() != 2 || literal.shape[1] < 2 || literal.shape[1] > npy_columns_max)
+    return "has shape " + shape_text(literal) + "; shapes from n x 2 to n x " + std::to_string(npy_columns_max) +
            " are read";
   if (literal.fortran_order) return "is in Fortran order; save numpy.ascontiguousarray(a) instead";
   const auto number = *number_type(std::string_view(type).substr(1));

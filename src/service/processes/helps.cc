@@ -30,7 +30,7 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"class", "Keep only points of these LAS classes."},
     {"attributes", "The attributes of the points that the result carries, by name; all means all of them."},
     {"resolution",
-     "COPC files: read only the octree levels down to the first whose points are at most this far apart; default: "
+     "COPC and EPT: read only the octree levels down to the first whose points are at most this far apart; default: "
      "all levels."},
     {"columns",
      "Text and NumPy files: the names of the columns, in order: x, y, z, the name of an attribute, or _ for a column "

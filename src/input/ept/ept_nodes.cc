@@ -1,0 +1,162 @@
+#include "src/input/ept/ept_nodes.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "src/base/json/json_text.h"
+#include "src/base/printable.h"
+#include "src/input/ept/ept_names.h"
+
+namespace tessera::ept {
+namespace {
+
+// As for COPC: numbers of cubes stay below 2^31.
+constexpr std::int32_t level_max = 30;
+// More nodes would need more memory than their points.
+constexpr std::size_t nodes_max = 100'000'000;
+
+std::optional<Key> key_of(std::string_view text) {
+  std::array<std::int32_t, 4> numbers{};
+  const char *at = text.data(), *end = at + text.size();
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (i > 0 && (at == end || *at++ != '-')) return {};
+    const auto [next, wrong] = std::from_chars(at, end, numbers[i]);
+    if (wrong != std::errc() || *at == '-') return {};
+    at = next;
+  }
+  if (at != end || numbers[0] > level_max) return {};
+  const Key key{numbers[0], {numbers[1], numbers[2], numbers[3]}};
+  for (const std::int32_t number : key.at)
+    if ((static_cast<std::int64_t>(number) >> key.level) != 0) return {};
+  return key;
+}
+
+// Reads the files of a hierarchy. Each leads to others.
+class HierarchyReader {
+ public:
+  explicit HierarchyReader(const Info& info) : info_(info) {}
+
+  Status read_all() {
+    std::vector<Key> pages{Key{}};
+    while (!pages.empty()) {
+      const Key page = pages.back();
+      pages.pop_back();
+      BOOST_OUTCOME_TRYV(read_page(page, pages));
+    }
+    return success();
+  }
+
+  std::map<Key, std::uint64_t> take() { return std::move(points_); }
+
+ private:
+  Status read_page(const Key& page, std::vector<Key>& pages) {
+    const auto path = hierarchy_file(info_, page);
+    BOOST_OUTCOME_TRY(source, open_file(path));
+    BOOST_OUTCOME_TRY(text, read_text(*source));
+    const nlohmann::json all = parse_json(text);
+    const auto bad = [&](const std::string& what) { return error(Errc::bad_input, path.string() + ": " + what); };
+    if (!all.is_object()) return bad("is not a JSON object with the nodes of a hierarchy");
+    for (const auto& [name, value] : all.items()) {
+      const auto key = key_of(name);
+      if (!key) return bad(in_quotes(name) + " is no node of an octree");
+      if (!value.is_number_integer()) return bad(in_quotes(name) + " has no number of points");
+      const auto points = value.get<std::int64_t>();
+      if (points == -1) {
+        // Only the file of the node itself may say how many points it has.
+        if (*key == page) return bad(in_quotes(name) + " leads to this file itself");
+        pages.push_back(*key);
+        continue;
+      }
+      if (points < 0 || static_cast<std::uint64_t>(points) > info_.points)
+        return bad(in_quotes(name) + " has " + std::to_string(points) + " points, and the whole cloud " +
+                   std::to_string(info_.points));
+      if (!points_.emplace(*key, points).second) return bad(in_quotes(name) + " is in the hierarchy twice");
+      if (points_.size() > nodes_max) return bad("the hierarchy has more than 100 million nodes");
+    }
+    // A page that leads to pages that were read would never end.
+    if (!points_.contains(page)) return bad("does not have its own node, " + page.text());
+    return success();
+  }
+
+  const Info& info_;
+  std::map<Key, std::uint64_t> points_;
+};
+
+}  // namespace
+
+std::string Key::text() const {
+  std::string text = std::to_string(level);
+  for (const std::int32_t number : at) text += "-" + std::to_string(number);
+  return text;
+}
+
+std::filesystem::path tile_file(const Info& info, const Key& key) {
+  const char* ending = info.tiles == Info::Tiles::laz ? ".laz" : info.tiles == Info::Tiles::binary ? ".bin" : ".zst";
+  return info.path.parent_path() / ept_tiles_folder / (key.text() + ending);
+}
+
+std::filesystem::path hierarchy_file(const Info& info, const Key& key) {
+  return info.path.parent_path() / ept_hierarchy_folder / (key.text() + ".json");
+}
+
+Result<std::vector<Node>> read_nodes(const Info& info) {
+  HierarchyReader reader(info);
+  BOOST_OUTCOME_TRYV(reader.read_all());
+  std::vector<Node> nodes;
+  std::uint64_t first = 0;
+  for (const auto& [key, points] : reader.take()) {
+    if (points == 0) continue;
+    nodes.push_back({key, first, points});
+    first += points;
+  }
+  if (first == info.points) return nodes;
+  return error(Errc::bad_input, info.path.string() + ": has " + std::to_string(info.points) +
+                                    " points, and the nodes of its hierarchy have " + std::to_string(first));
+}
+
+std::int32_t levels_for(const Info& info, double resolution) {
+  std::int32_t level = 0;
+  while (level < level_max && (resolution == 0 || std::ldexp(info.spacing(), -level) > resolution)) ++level;
+  return level + 1;
+}
+
+Bounds bounds_of(const Info& info, const Key& key) {
+  Bounds bounds;
+  const double slack = info.slack();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double width = std::ldexp(info.cube.hi[axis] - info.cube.lo[axis], -key.level);
+    const double begin = info.cube.lo[axis] + key.at[static_cast<std::size_t>(axis)] * width;
+    bounds.lo[axis] = begin - slack;
+    bounds.hi[axis] = begin + width + slack;
+  }
+  if (info.conforming.empty()) return bounds;
+  Bounds both;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Some writers round the box of all points to whole units, and cut it off at that.
+    both.lo[axis] = std::max(bounds.lo[axis], info.conforming.lo[axis] - 1);
+    both.hi[axis] = std::min(bounds.hi[axis], info.conforming.hi[axis] + 1);
+    if (both.lo[axis] > both.hi[axis]) return bounds;
+  }
+  return both;
+}
+
+Result<std::vector<FilePart>> read_parts(const ByteSource& source, double resolution) {
+  BOOST_OUTCOME_TRY(info, read_info(source));
+  BOOST_OUTCOME_TRY(nodes, read_nodes(info));
+  const std::int32_t levels = levels_for(info, resolution);
+  // LAZ and Zstandard make tiles 3 to 5 times smaller.
+  const std::uint64_t smaller = info.tiles == Info::Tiles::binary ? 1 : 4;
+  std::vector<FilePart> parts;
+  for (const auto& node : nodes)
+    if (node.key.level < levels)
+      parts.push_back({node.first, node.points, node.points * info.record_bytes / smaller, bounds_of(info, node.key)});
+  return parts;
+}
+
+}  // namespace tessera::ept

@@ -1,0 +1,17 @@
+// A part of a file of points that can be read by itself.
+#pragma once
+
+#include <cstdint>
+
+#include "src/base/point.h"
+
+namespace tessera {
+
+// A node of an octree over the points: consecutive points of the file.
+struct FilePart {
+  std::uint64_t first = 0, points = 0;  // the number of its first point in the file
+  std::uint64_t bytes = 0;              // the stored bytes, perhaps compressed
+  Bounds bounds;                        // a closed box of all its points, as the file states it
+};
+
+}  // namespace tessera
