@@ -17,7 +17,7 @@ usage() {
 ./tessera.sh nightly          the long tests; and the engine against CGAL: every set x partition x tiles x threads (many hours)
 ./tessera.sh tidy [REVISION]  clang-tidy over the sources; with a revision, over those that have changed since
 ./tessera.sh format           clang-format over the sources
-./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang
+./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang, qgis
 TEXT
 }
 
@@ -90,6 +90,7 @@ run_tests() {
 }
 
 nightly() {
+  deploy/install-deps.sh build test qgis
   run_tests -R "$(nightly_tests)"
   build engine_product
   cmake --build $build_folder --target nightly

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing on Debian 12, and never removes a package:
-#   install-deps.sh [build] [test] [demo] [clang]      default: build and test
-# build: the command, the libraries; test: what the tests compare with; demo: its picture; clang: `./tessera.sh tidy`.
+#   install-deps.sh [build] [test] [demo] [clang] [qgis]      default: build and test
+# build: the command, the libraries; test: what the tests compare with; demo: its picture; clang: `./tessera.sh tidy`;
+# qgis: the tests of the plugin.
 # Quick and silent when nothing is missing.
 set -euo pipefail
 
@@ -35,6 +36,7 @@ test=(
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )
 demo=(xvfb xauth)
+qgis=(qgis python3-qgis qgis-providers)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)
 
 installed() { [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true) == installed ]]; }
@@ -49,8 +51,8 @@ command -v npm >/dev/null || build+=(npm)
 packages=()
 for part in "$@"; do
   case "$part" in
-    build | test | demo | clang) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
-    *) echo "install-deps: '$part' is not a part; the parts are build, test, demo and clang" >&2; exit 2 ;;
+    build | test | demo | clang | qgis) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
+    *) echo "install-deps: '$part' is not a part; the parts are build, test, demo, clang and qgis" >&2; exit 2 ;;
   esac
 done
 
