@@ -12,12 +12,13 @@ usage() {
 ./tessera.sh all              everything, some 20 minutes: also the libraries, the Python package, tests and benchmarks
 ./tessera.sh demo             triangulate the bundled IGN block, verify it, make its surface, draw both: demo-out/surface.png
 ./tessera.sh serve [ARGS]     a daemon with the bundled block, on the loopback; its data: serve-data/ (ARGS go to tesserad)
+./tessera.sh site             the documents as a site, with search: build/site/index.html; nothing comes from the network
 ./tessera.sh test [ARGS]      build and run the tests but for the long ones of tests/nightly_tests.txt; with ARGS for ctest,
                               those that ARGS choose (-R splay); the last line says what was skipped, and why
 ./tessera.sh nightly          the long tests; and the engine against CGAL: every set x partition x tiles x threads (many hours)
 ./tessera.sh tidy [REVISION]  clang-tidy over the sources; with a revision, over those that have changed since
 ./tessera.sh format           clang-format over the sources
-./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang
+./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang, qgis, site
 TEXT
 }
 
@@ -48,6 +49,12 @@ serve() {
   deploy/install-deps.sh build
   build tesserad tessera_command
   exec $build_folder/src/front/daemon/tesserad --data serve-data --inputs data/ign --print-token "$@"
+}
+
+site() {
+  deploy/install-deps.sh build site
+  build tesserad manual
+  scripts/site/make_site.py $build_folder build/site
 }
 
 sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'bench/*.cc'; }
@@ -90,6 +97,7 @@ run_tests() {
 }
 
 nightly() {
+  deploy/install-deps.sh build test qgis
   run_tests -R "$(nightly_tests)"
   build engine_product
   cmake --build $build_folder --target nightly
@@ -103,6 +111,7 @@ case "${1:-help}" in
   all) build all ;;
   demo) demo ;;
   serve) shift; serve "$@" ;;
+  site) site ;;
   test) shift; run_tests "$@" ;;
   nightly) nightly ;;
   tidy) shift; tidy "$@" ;;

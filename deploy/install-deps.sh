@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing on Debian 12, and never removes a package:
-#   install-deps.sh [build] [test] [demo] [clang]      default: build and test
-# build: the command, the libraries; test: what the tests compare with; demo: its picture; clang: `./tessera.sh tidy`.
+#   install-deps.sh [build] [test] [demo] [clang] [qgis] [site]      default: build and test
+# build: the command, the libraries; test: what the tests compare with; demo: its picture; clang: `./tessera.sh tidy`;
+# qgis: the tests of the plugin; site: the documents as a site.
 # Quick and silent when nothing is missing.
 set -euo pipefail
 
@@ -23,6 +24,7 @@ build=(
 test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   python3-pandas python3-joblib             # what its users bring along
+  mkdocs mkdocs-material                    # make the site of documents
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   systemd python3-yaml                      # judge the unit, read the manifest
@@ -35,6 +37,8 @@ test=(
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )
 demo=(xvfb xauth)
+site=(mkdocs mkdocs-material python3-yaml)
+qgis=(qgis python3-qgis qgis-providers)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)
 
 installed() { [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true) == installed ]]; }
@@ -49,8 +53,8 @@ command -v npm >/dev/null || build+=(npm)
 packages=()
 for part in "$@"; do
   case "$part" in
-    build | test | demo | clang) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
-    *) echo "install-deps: '$part' is not a part; the parts are build, test, demo and clang" >&2; exit 2 ;;
+    build | test | demo | clang | qgis | site) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
+    *) echo "install-deps: '$part' is not a part; the parts are build, test, demo, clang, qgis and site" >&2; exit 2 ;;
   esac
 done
 

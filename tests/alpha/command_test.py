@@ -73,7 +73,7 @@ class Command(CliTest):
 
     def alpha(self, name, *options):
         told = self.ok("alpha", self.out, "-o", name, "--overwrite", "--json", *options)
-        return json.loads(told), self.folder / name
+        return json.loads(told.splitlines()[-1]), self.folder / name
 
     def boundary(self, stored, radius):
         """The cells of the shape, and the boundary: sorted ids of facets."""

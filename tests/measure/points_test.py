@@ -24,7 +24,7 @@ class Points(CliTest):
         self.assertEqual({name[-3:] for name in self.tiles("mixed")}, {"pts", "vtu"})
 
     def measure(self, name, *args):
-        said = json.loads(self.ok("measure", name, "--volume", "--json", *args))
+        said = json.loads(self.ok("measure", name, "--volume", "--json", *args).splitlines()[-1])
         self.assertTrue(said["made"])
         self.ok("verify", name, "--quiet")
         return said["total"]

@@ -113,10 +113,10 @@ class Quality(CliTest):
     def test_together_with_volumes_they_are_one_version(self):
         np.save(self.folder / "cloud.npy", clouds(3)["uniform"][:200])
         self.ok("triangulate", self.folder / "cloud.npy", "-o", self.out, "--quiet", "--tiles", "3")
-        told = json.loads(self.ok("measure", self.out, "--volume", "--quality", "--json"))
+        told = json.loads(self.ok("measure", self.out, "--volume", "--quality", "--json").splitlines()[-1])
         self.assertEqual((told["version"], told["columns"]), (2, ["volume", "star_volume", *COLUMNS]))
         self.assertGreater(told["total"], 0)
-        again = json.loads(self.ok("measure", self.out, "--quality", "--json"))
+        again = json.loads(self.ok("measure", self.out, "--quality", "--json").splitlines()[-1])
         self.assertEqual((again["version"], again["made"], again["columns"], again["total"]), (2, False, COLUMNS, None))
         self.ok("verify", self.out)
         table = self.ok("columns", self.out)
@@ -129,7 +129,7 @@ class Quality(CliTest):
         np.save(self.folder / "cloud.npy", clouds(2)["uniform"][:200])
         self.ok("triangulate", self.folder / "cloud.npy", "-o", self.out, "--quiet", "--tiles", "2", "--dim", "2")
         self.ok("measure", self.out, "--quality")
-        told = json.loads(self.ok("measure", self.out, "--volume", "--quality", "--json"))
+        told = json.loads(self.ok("measure", self.out, "--volume", "--quality", "--json").splitlines()[-1])
         self.assertEqual((told["version"], told["made"], told["columns"]), (3, True, ["area", "star_area", *COLUMNS]))
         self.refused(USAGE, "measure", self.out, says="there is nothing to measure; --volume and --quality measure cells, --voronoi")
 

@@ -214,7 +214,7 @@ class Contours(CliTest):
         right.ImportFromEPSG(2154)
         counts = []
         for name in ("a.gpkg", "a.geojson"):
-            said = json.loads(self.ok("contours", self.out, "--interval", "1", "-o", name, "--json"))
+            said = json.loads(self.ok("contours", self.out, "--interval", "1", "-o", name, "--json").splitlines()[-1])
             file = ogr.Open(str(self.folder / name))
             layer = file.GetLayer(0)
             self.assertTrue(layer.GetSpatialRef().IsSame(right))

@@ -149,7 +149,7 @@ class SmoothContours(CliTest):
             self.assertGreater(len(all_lines), len(kept))
             told = self.ok("contours", out, "--interval", "0.5", "--min-length", "9", "-o", "a.gpkg", "--overwrite", *smooth)
             self.assertIn(f"\n{len(all_lines) - len(kept)} shorter line", told)
-            facts = json.loads(self.ok("contours", out, "--interval", "0.5", "--min-length", "9", "-o", "a.gpkg", "--overwrite", "--json", *smooth))
+            facts = json.loads(self.ok("contours", out, "--interval", "0.5", "--min-length", "9", "-o", "a.gpkg", "--overwrite", "--json", *smooth).splitlines()[-1])
             self.assertEqual((facts["lines"], facts["shorter"]), (len(kept), len(all_lines) - len(kept)))
 
     def test_index_lines_are_those_of_each_fifth_level(self):

@@ -14,18 +14,7 @@ std::string words(const std::vector<std::string>& list) {
 }
 
 // Returns the possible values of an option, separated by spaces; "" if any value is possible.
-std::string values_of(const Command& command, const CLI::Option& option) {
-  const auto key = option.get_positional() ? option.get_name() : option.get_lnames().front();
-  const auto known = command.choices.find(key);
-  if (known != command.choices.end()) return words(known->second);
-  if (option.get_positional()) return "";
-  // A type name like "2|3" lists the values. Capitals are placeholders.
-  auto list = option.get_type_name();
-  if (list.find('|') == std::string::npos || list.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
-    return "";
-  for (auto& c : list) c = c == '|' ? ' ' : c;
-  return list;
-}
+std::string values_of(const Command& command, const CLI::Option& option) { return words(choices_of(command, option)); }
 
 // Returns the branches of one command: its options, and the values of options that have few. For other options the
 // script offers no words, so the shell completes names of files.
@@ -64,6 +53,18 @@ std::string branches(const Command& command) {
 }
 
 }  // namespace
+
+std::vector<std::string> choices_of(const Command& command, const CLI::Option& option) {
+  const auto key = option.get_positional() ? option.get_name() : option.get_lnames().front();
+  const auto known = command.choices.find(key);
+  if (known != command.choices.end()) return known->second;
+  if (option.get_positional()) return {};
+  // A type name like "2|3" lists the values. Capitals are placeholders.
+  const auto& list = option.get_type_name();
+  if (list.find('|') == std::string::npos || list.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
+    return {};
+  return CLI::detail::split(list, '|');
+}
 
 std::string completion(const std::vector<Command>& commands) {
   std::string names, cases;

@@ -1,5 +1,5 @@
-// Writes the man pages and the shell completion of the command into a folder: man1/tessera*.1 and completions/tessera.
-// The build runs this program.
+// Writes the man pages, the shell completion and a description of the command into a folder: man1/tessera*.1,
+// completions/tessera and commands.json. The build runs this program.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +10,7 @@
 #include "src/base/result.h"
 #include "src/front/apps/commands.h"
 #include "src/front/apps/completion.h"
+#include "src/front/apps/description.h"
 #include "src/front/apps/man_page.h"
 
 namespace tessera::apps {
@@ -25,6 +26,7 @@ Status write_manual(const std::filesystem::path& folder) {
     const auto name = "tessera-" + command.app->get_name() + ".1";
     BOOST_OUTCOME_TRYV(write_whole(folder / "man1" / name, man_page(command)));
   }
+  BOOST_OUTCOME_TRYV(write_whole(folder / "commands.json", description_of(commands)));
   return write_whole(folder / "completions" / "tessera", completion(commands));
 }
 
