@@ -1,6 +1,7 @@
 """All that `import tessera` gives. The package reads this module at the first use of a name."""
 from . import _tessera
 from ._alpha import AlphaShape
+from ._arrow import from_arrow
 from ._delaunay import Delaunay
 from ._densities import Density
 from ._errors import (BadInputError, CorruptError, Error, InternalError, InterruptedJobError, IoError, MemoryLimitError,
@@ -8,6 +9,8 @@ from ._errors import (BadInputError, CorruptError, Error, InternalError, Interru
 from ._heights import HeightsFile, hag
 from ._interpolate import LinearNDInterpolator
 from ._progress import Progress
+from ._progress_bar import ProgressBar
+from ._pyvista import to_pyvista
 from ._questions import Located, Part, Star, Weights
 from ._surfaces import Contour, Profile, Raster
 from ._tile import Tile
@@ -23,7 +26,7 @@ from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "hag", "HeightsFile", "connect", "Client", "Job", "Event", "Live", "PointsChanged", "VersionMade", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "region", "open", "info", "hag", "from_arrow", "to_pyvista", "HeightsFile", "connect", "Client", "Job", "Event", "Live", "PointsChanged", "VersionMade", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "ProgressBar", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # help() and messages show these names as members of the package.
 for _public in __all__:
