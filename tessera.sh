@@ -16,6 +16,7 @@ usage() {
 ./tessera.sh test [ARGS]      build and run the tests but for the long ones of tests/nightly_tests.txt; with ARGS for ctest,
                               those that ARGS choose (-R splay); the last line says what was skipped, and why
 ./tessera.sh nightly          the long tests; and the engine against CGAL: every set x partition x tiles x threads (many hours)
+./tessera.sh wheel [PYTHON...] a self-contained wheel in build/release, for Debian's Python and for those that you name
 ./tessera.sh tidy [REVISION]  clang-tidy over the sources; with a revision, over those that have changed since
 ./tessera.sh format           clang-format over the sources
 ./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang, qgis, site
@@ -55,6 +56,12 @@ site() {
   deploy/install-deps.sh build site
   build tesserad manual
   scripts/site/make_site.py $build_folder build/site
+}
+
+# One wheel for each Python. Python 3.12 and later need pybind11 2.12, which the environment variable pybind11_ROOT names.
+wheel() {
+  build tessera_python
+  /usr/bin/python3 python/backend/tessera_build.py $build_folder $build_folder "$@"
 }
 
 sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'bench/*.cc'; }
@@ -114,6 +121,7 @@ case "${1:-help}" in
   site) site ;;
   test) shift; run_tests "$@" ;;
   nightly) nightly ;;
+  wheel) shift; wheel "$@" ;;
   tidy) shift; tidy "$@" ;;
   format) deploy/install-deps.sh clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;
   deps) shift; deploy/install-deps.sh "$@" ;;

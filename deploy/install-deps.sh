@@ -18,13 +18,14 @@ build=(
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev libsystemd-dev prometheus-cpp-dev
   libgtest-dev python3 python3-numpy
-  pybind11-dev python3-dev                  # the Python package
+  pybind11-dev python3-dev patchelf         # the Python package, and its wheel
   esbuild                                   # bundles the dashboard
 )
 test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   python3-pandas python3-joblib             # what its users bring along
   mkdocs mkdocs-material                    # make the site of documents
+  mypy                                      # checks its types
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   systemd python3-yaml                      # judge the unit, read the manifest

@@ -12,33 +12,22 @@ The result is exact: it is the Delaunay triangulation of the coordinates as they
 For cospherical points it is always the same triangulation, which a symbolic perturbation chooses. docs/python.md is the
 guide.
 """
-from . import _tessera
-from ._alpha import AlphaShape
-from ._delaunay import Delaunay
-from ._densities import Density
-from ._errors import (BadInputError, CorruptError, Error, InternalError, InterruptedJobError, IoError, MemoryLimitError,
-                      NotDelaunayError, UsageError)
-from ._heights import HeightsFile, hag
-from ._interpolate import LinearNDInterpolator
-from ._progress import Progress
-from ._questions import Located, Part, Star, Weights
-from ._surfaces import Contour, Profile, Raster
-from ._tile import Tile
-from ._region import region
-from ._triangulate import info, triangulate
-from ._triangulation import Columns, Measures, Proof, Tiles, Triangulation, open
-from ._job import Event, Job
-from ._live import Live, PointsChanged, VersionMade
-from ._update import Update
-from ._volumes import VolumeTable
-from ._voronoi import VoronoiFile
-from .client import Client, connect
+import importlib
+import typing
 
-__version__ = _tessera.version()
+if typing.TYPE_CHECKING:
+    from ._public import *
+    from ._public import __all__, __version__
+else:
+    # Importing tessera is quick. The first use of a name loads NumPy and the C++ library.
+    def __getattr__(name):
+        # Names of modules inside are asked for while _public is being imported.
+        if not name.startswith("_") or name in ("__all__", "__version__"):
+            public = importlib.import_module("._public", __name__)
+            globals().update({one: getattr(public, one) for one in (*public.__all__, "__all__", "__version__")})
+            if name in globals():
+                return globals()[name]
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
-__all__ = ["triangulate", "region", "open", "info", "hag", "HeightsFile", "connect", "Client", "Job", "Event", "Live", "PointsChanged", "VersionMade", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
-           "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
-# help() and messages show these names as members of the package.
-for _public in __all__:
-    globals()[_public].__module__ = __name__
-del _public
+    def __dir__():
+        return sorted({*__getattr__("__all__"), *globals()})

@@ -28,6 +28,11 @@ class Density(typing.NamedTuple):
     grid_mass: float
     """Of a density: the mass of the grid, which is that of the points if the grid covers them."""
 
+    @property
+    def __array_interface__(self) -> dict[str, typing.Any]:
+        """NumPy, and what uses its interface, take this as the array `values`."""
+        return self.values.__array_interface__
+
 
 class Densities:
     """The grids that can be made of a Triangulation."""

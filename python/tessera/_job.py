@@ -5,7 +5,8 @@ import json
 import typing
 import urllib.parse
 
-from ._errors import BY_CAUSE, InternalError, InterruptedJobError, IoError, UsageError
+from ._errors import BY_CAUSE, Error, InternalError, InterruptedJobError, IoError, UsageError
+from ._html import bar, table
 from ._http import SILENCE_OF_EVENTS_S, Transport
 from ._options import Path
 from ._transfer import PATIENCE_S, Patience
@@ -33,6 +34,12 @@ class Event(typing.NamedTuple):
 
 def quoted(name: str) -> str:
     return urllib.parse.quote(name, safe="")
+
+
+def share_of_status(status: dict[str, typing.Any]) -> float:
+    """Returns how much of a job is done, from 0 to 1."""
+    percent = status.get("progress")
+    return 1.0 if status.get("status") == "successful" else float(percent) / 100 if isinstance(percent, (int, float)) else 0.0
 
 
 def sent_events(http: Transport, stream: typing.Any) -> typing.Iterator[tuple[str, dict[str, typing.Any]]]:
@@ -158,6 +165,17 @@ class Job:
     def result(self, folder: Path, progress: typing.Callable[[Event], object] | None = None) -> Triangulation:
         """Waits for the job as wait() does, then copies its result into `folder`, as Client.fetch() does."""
         return self._client.fetch(self.wait(progress)["triangulation"], folder)
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: the present status, or why the daemon does not tell it."""
+        try:
+            status = self.status()
+        except Error as error:
+            return table(f"Job {self._id}", {"daemon": self._http.url, "status": f"not known: {error}"})
+        shown = {"daemon": self._http.url, "process": status.get("processID"), "status": status.get("status"), "phase": status.get("phase"),
+                 "result": status.get("triangulation"), "message": status.get("message")}
+        running = status.get("status") not in ENDED
+        return table(f"Job {self._id}", shown) + (bar(share_of_status(status), "") if running else "")
 
     def __repr__(self) -> str:
         return f"<tessera.Job {self._id} of {self._http.url}>"

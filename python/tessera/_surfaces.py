@@ -30,6 +30,11 @@ class Raster(typing.NamedTuple):
     crs: str = ""
     """The coordinate reference system of the result; "" if it has none."""
 
+    @property
+    def __array_interface__(self) -> dict[str, typing.Any]:
+        """NumPy, and what uses its interface, take this as the array `values`."""
+        return self.values.__array_interface__
+
 
 class Contour(typing.NamedTuple):
     """A contour line. Higher ground is on its left."""

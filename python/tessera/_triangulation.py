@@ -6,15 +6,17 @@ import json
 import operator
 import os
 import pathlib
+import re
 import typing
 import warnings
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _tessera
+from . import _arrow_c, _tessera
 from ._alpha import AlphaShapes
 from ._errors import UsageError
+from ._html import table
 from ._options import Path, memory_bytes
 from ._questions import Answers
 from ._densities import Densities
@@ -48,7 +50,7 @@ class Measures(typing.NamedTuple):
     """False if the result had the columns already."""
 
 
-class Columns(collections.abc.Mapping):
+class Columns(typing.Mapping[str, "npt.NDArray[typing.Any]"]):
     """The columns of a triangulation, by name. A column is an array that was computed and stored with the result.
 
     t.columns["volume"] reads the values from all tiles. A column of cells has one value for each row of simplices(). A
@@ -68,7 +70,7 @@ class Columns(collections.abc.Mapping):
     def __iter__(self) -> typing.Iterator[str]:
         return iter(self.info)
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> npt.NDArray[typing.Any]:
         column = self.info[name]
         dtype = np.dtype(column["type"])
         if column["of"] == "cells":
@@ -351,11 +353,41 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
         """Returns the output of `tessera info --json` as a dict: inputs, box, CRS, tiles, digest, seconds, ..."""
         return json.loads(self._triangulation.describe())
 
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """Gives the vertices to packages that read Arrow tables, as pyarrow.table(t) or polars.DataFrame(t), without
+        pyarrow: the columns x, y and in 3D z, the attributes, and "id", the rank in the input; a batch for each tile."""
+        example = next(iter(self), None)
+        first = {axis: np.empty(0) for axis in "xyz"[: self.dim]} if example is None else vertex_columns(example)
+        return _arrow_c.stream_of({name: values[:0] for name, values in first.items()}, map(vertex_columns, self))
+
+    def _repr_html_(self) -> str:
+        """What notebooks show."""
+        if self._held is None:
+            return table("Triangulation, closed", {})
+        return table(f"Triangulation in {self.dim}D", {
+            "points": self.n_points, "vertices": self.n_vertices, "duplicates": self.n_duplicates or None,
+            cell_word(self.dim): self.n_cells, "tiles": len(self), "coordinate system": self._system_name(), "folder": self.folder,
+            "digest": self.digest})
+
+    def _system_name(self) -> str:
+        """The name in quotation marks that begins the WKT of the coordinate system, which is long."""
+        name = re.match(r'[A-Z_]+\["([^"]+)"', self.crs)
+        return name[1] if name else self.crs
+
     def __repr__(self) -> str:
         if self._held is None:
             return "<tessera.Triangulation, closed>"
         return (f"<tessera.Triangulation of {self.n_points} points: {self.n_cells} {cell_word(self.dim)} "
                 f"in {len(self)} {'tile' if len(self) == 1 else 'tiles'}, {self.folder}>")
+
+
+def vertex_columns(tile: Tile) -> dict[str, npt.NDArray[typing.Any]]:
+    """Returns the coordinates, attributes and ids of the vertices that a tile owns, each as an array by itself."""
+    own = ~tile.foreign
+    columns = {axis: tile.points[own, i] for i, axis in enumerate("xyz"[: tile.dim])}
+    columns.update({name: values[own] for name, values in tile.attributes.items()})
+    columns["id"] = tile.ids[own]
+    return columns
 
 
 def open(folder: Path, version: int | None = None) -> Triangulation:

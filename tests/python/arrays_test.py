@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 import pandas
 import tessera
+from tessera._arrays import exact_float64
 
 import clouds
 
@@ -131,7 +132,7 @@ class Arrays(unittest.TestCase):
 
     def test_a_fitting_array_is_not_copied_by_triangulate(self):
         points = clouds.random(1000, 3)
-        self.assertIs(tessera._arrays.exact_float64(points, "points"), points)
+        self.assertIs(exact_float64(points, "points"), points)
         before = sys.getrefcount(points)
         tessera.triangulate(points)
         gc.collect()

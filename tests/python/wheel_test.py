@@ -15,11 +15,17 @@ import zipfile
 BUILD = pathlib.Path(os.environ["BUILD"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "python" / "backend"))
+import self_contained  # noqa: E402
 import tessera_build  # noqa: E402
 
-# Of Debian 12; docs/python.md names their packages.
-SYSTEM = {"libcaf_core.so.0.17.6", "libexpat.so.1", "libgmp.so.10", "libmeshoptimizer.so.2d", "libprotobuf.so.32",
+# Of Debian 12; docs/python.md names their packages. What `pip install .` makes links them.
+OF_DEBIAN = {"libcaf_core.so.0.17.6", "libexpat.so.1", "libgmp.so.10", "libmeshoptimizer.so.2d", "libprotobuf.so.32",
           "libxxhash.so.0", "libz.so.1", "libzstd.so.1", "libstdc++.so.6", "libgcc_s.so.1", "libm.so.6", "libc.so.6", "ld-linux-x86-64.so.2"}
+
+# What each Linux of the age that the tag says has.
+SYSTEM = {"libstdc++.so.6", "libgcc_s.so.1", "libm.so.6", "libc.so.6", "libpthread.so.0", "ld-linux-x86-64.so.2"}
+BYTES_MAX = 25_000_000
+GLIBC = re.compile(r"\bGLIBC_2\.(\d+)")
 
 
 def output_of(*command, **options):
@@ -42,13 +48,29 @@ class Wheel(unittest.TestCase):
         cls.libraries = sorted(cls.unpacked.rglob("*.so*"))
 
     def test_its_name_and_its_metadata_agree(self):
-        name = re.fullmatch(r"tessera-(\d+\.\d+\.\d+)-(cp3\d+-cp3\d+-linux_\w+)\.whl", self.wheel.name)
+        name = re.fullmatch(r"tessera-(\d+\.\d+\.\d+)-(cp3\d+-cp3\d+-manylinux_2_\d+_\w+)\.whl", self.wheel.name)
         information = self.unpacked / f"tessera-{name[1]}.dist-info"
         self.assertIn(f"\nTag: {name[2]}\n", (information / "WHEEL").read_text())
         metadata = (information / "METADATA").read_text()
         self.assertIn(f"\nVersion: {name[1]}\n", metadata)
-        self.assertEqual({*re.findall(r"^Requires-External: (.*)$", metadata, re.MULTILINE)}, SYSTEM)
+        self.assertIn(f"\nRequires-Python: =={sys.version_info.major}.{sys.version_info.minor}.*\n", metadata)
+        self.assertNotIn("\nRequires-External:", metadata)
         self.assertEqual((information / "LICENSE").read_text(), (SOURCE / "LICENSE").read_text())
+
+    def test_the_tag_is_of_the_newest_symbols_that_are_used(self):
+        glibc = int(re.search(r"manylinux_2_(\d+)_", self.wheel.name)[1])
+        used = {int(minor) for path in self.libraries for minor in GLIBC.findall(output_of("objdump", "-T", path))}
+        self.assertLessEqual(max(used), glibc)
+        self.assertLessEqual(glibc, 36)  # that of Debian 12
+
+    def test_it_is_small(self):
+        self.assertLess(self.wheel.stat().st_size, BYTES_MAX)
+
+    def test_the_rights_of_each_copied_library_are_inside(self):
+        texts = {path.name: path.read_text(errors="replace") for path in self.unpacked.glob("*.dist-info/licenses/*")}
+        self.assertEqual(len(texts), len(list((self.unpacked / "tessera.libs").iterdir())))
+        for name, text in texts.items():
+            self.assertRegex(text, "(?i)copyright", name)
 
     def test_its_record_is_of_its_files(self):
         recorded = {}
@@ -69,15 +91,28 @@ class Wheel(unittest.TestCase):
         tessera_build.pack(BUILD, again, os.environ["CMAKE"])
         self.assertEqual((again / self.wheel.name).read_bytes(), self.wheel.read_bytes())
 
-    def test_it_links_itself_and_libraries_of_the_system(self):
-        self.assertEqual([re.sub(r"\..*", "", path.name) for path in self.libraries], ["_tessera", "libtessera"])
+    def test_it_links_itself_and_what_each_linux_has(self):
         inside = {path.name for path in self.libraries}
+        copies = {path.name for path in (self.unpacked / "tessera.libs").iterdir()}
+        self.assertEqual(len(inside - copies), 2)
         for path in self.libraries:
-            needed = set(tessera_build.dynamic(path, "NEEDED"))
+            needed = set(self_contained.dynamic(path, "NEEDED"))
             self.assertLessEqual(needed, SYSTEM | inside)
-            for place in ":".join(tessera_build.dynamic(path, "RUNPATH") + tessera_build.dynamic(path, "RPATH")).split(":"):
-                self.assertTrue(place in ("", "$ORIGIN") or place.startswith("$ORIGIN/"), place)
-        self.assertIn("libtessera.so.0.1", {name for path in self.libraries for name in tessera_build.dynamic(path, "NEEDED")})
+            for place in ":".join(self_contained.dynamic(path, "RUNPATH") + self_contained.dynamic(path, "RPATH")).split(":"):
+                self.assertIn(place, ("$ORIGIN", "$ORIGIN/../tessera.libs"))
+        for copy in copies:  # no other library has such a name
+            self.assertRegex(copy, r"-[0-9a-f]{8}\.so")
+            self.assertEqual(self_contained.dynamic(self.unpacked / "tessera.libs" / copy, "SONAME"), [copy])
+        self.assertIn("libtessera.so.0.1", {name for path in self.libraries for name in self_contained.dynamic(path, "NEEDED")})
+
+    def test_what_pip_makes_of_the_sources_names_debians_libraries(self):
+        plain = self.folder / "plain"
+        plain.mkdir()
+        with zipfile.ZipFile(plain / tessera_build.pack(BUILD, plain, os.environ["CMAKE"], alone=False)) as archive:
+            self.assertRegex(archive.filename, r"-linux_\w+\.whl$")
+            (metadata,) = (archive.read(name).decode() for name in archive.namelist() if name.endswith("/METADATA"))
+            self.assertFalse(any(name.startswith("tessera.libs/") for name in archive.namelist()))
+        self.assertEqual({*re.findall(r"^Requires-External: (.*)$", metadata, re.MULTILINE)}, OF_DEBIAN)
 
     def test_pip_installs_it_into_a_virtual_environment(self):
         venv = self.folder / "venv"
@@ -89,12 +124,26 @@ class Wheel(unittest.TestCase):
                                        "print(t.n_cells, tessera.__file__, open('/proc/self/maps').read())", env=clean, cwd="/")
         cells, file = said.split()[:2]
         self.assertEqual((cells, pathlib.Path(file).is_relative_to(venv)), ("1", True))
-        loaded = {path for path in said.split() if "libtessera.so" in path}
-        self.assertEqual(loaded, {str(pathlib.Path(file).parent / "libtessera.so.0.1")})
-        self.assertNotIn("not found", output_of("ldd", pathlib.Path(file).parent / "libtessera.so.0.1", env=clean))
+        # Debian's copies are installed here, too: none is loaded.
+        site = pathlib.Path(file).parents[1]
+        loaded = {pathlib.Path(path) for path in said.split() if ".so" in path}
+        own = {path for path in loaded if path.is_relative_to(site)}
+        self.assertEqual({path.name for path in own}, {path.name for path in self.libraries})
+        copied = [re.sub(r"-[0-9a-f]{8}\.so.*", "", path.name) for path in (site / "tessera.libs").iterdir()]
+        of_numpy_and_python = ("libz", "libexpat")
+        for path in loaded - own:
+            stem = path.name.split(".so")[0]
+            self.assertFalse(stem in copied and stem not in of_numpy_and_python, path)
         self.assertIn("tessera", output_of(python, "-m", "pip", "list", "--format=freeze", "--disable-pip-version-check", env=clean))
         output_of(python, "-m", "pip", "uninstall", "--yes", "tessera", "--disable-pip-version-check", env=clean)
         self.assertFalse(pathlib.Path(file).exists())
+
+    def test_importing_it_loads_nothing_else(self):
+        # numpy, the C++ library, http and ssl take most of a second on a busy machine.
+        said = output_of(sys.executable, "-S", "-c", f"import sys; sys.path.insert(0, {str(self.unpacked)!r}); before = set(sys.modules); "
+                                                     "import tessera; print(*sorted(set(sys.modules) - before))")
+        self.assertNotIn("numpy", said.split())
+        self.assertEqual([name for name in said.split() if name.startswith("tessera")], ["tessera"])
 
 
 class Backend(unittest.TestCase):
