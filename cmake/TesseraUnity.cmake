@@ -22,7 +22,7 @@ function(tessera_unity_builds)
     if(type STREQUAL "INTERFACE_LIBRARY" OR folder MATCHES "${TESSERA_UNITY_ALONE}")
       continue()
     endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
     # The first warning is about types of unnamed namespaces in headers, and here each source is a header. GCC 12 gives the
     # second wrongly, about strings in temporary objects, the more often the more it inlines. Nightly builds have both.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-maybe-uninitialized)

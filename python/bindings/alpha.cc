@@ -32,7 +32,7 @@ py::tuple make(const Triangulation& self, AlphaRequest request) {
       rows<std::int64_t>(std::move(shape.singular_edges), 2), given<std::int64_t>(std::move(shape.singular_vertices)));
 }
 
-double write(const Triangulation& self, const std::filesystem::path& target, AlphaRequest request) {
+double write_alpha(const Triangulation& self, const std::filesystem::path& target, AlphaRequest request) {
   return run_interruptible(
       [&](std::stop_token stop) { return write_alpha_shape(self, target, request.stop(std::move(stop))); });
 }
@@ -42,7 +42,7 @@ double write(const Triangulation& self, const std::filesystem::path& target, Alp
 void bind_alpha(py::module_& module) {
   py::class_<AlphaRequest>(module, "AlphaRequest").def(py::init(&alpha_request));
   module.def("make_alpha_shape", &make);
-  module.def("write_alpha_shape", &write);
+  module.def("write_alpha_shape", &write_alpha);
 }
 
 }  // namespace tessera::python

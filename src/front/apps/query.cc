@@ -71,7 +71,7 @@ Status refuse_others(const Settings& settings, const QuestionRow& question) {
   return success();
 }
 
-Result<query::Method> parse_method(const std::string& text) {
+Result<query::Method> parse_query_method(const std::string& text) {
   if (text == "linear") return query::Method::linear;
   if (text == "natural") return query::Method::natural;
   return error(Errc::usage, "'" + text + "' is not a method of interpolation; the methods are linear and natural");
@@ -106,7 +106,7 @@ Status run_query(Settings& settings, const Asked& asked) {
   BOOST_OUTCOME_TRY(tile,
                     settings.get("tile", [](const std::string& text) { return parse_integer(text, 0, 999'999); }));
   if (tile) request.tile = TileId{static_cast<std::uint32_t>(*tile)};
-  BOOST_OUTCOME_TRY(method, settings.get("method", parse_method));
+  BOOST_OUTCOME_TRY(method, settings.get("method", parse_query_method));
   BOOST_OUTCOME_TRY(weights, settings.on("weights"));
   request.value = {.value = settings.text("value").value_or(""),
                    .method = method.value_or(query::Method::linear),

@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<double, 5> factors{1, 2, 4, 5, 8};
 constexpr std::uint8_t decimals = 50;  // codes 1 to 50: 1 + 5 j + f is factor f of 10^j
 constexpr int first_power = 4;         // 2^4 to 2^53 have codes 51 to 100: lower powers are among the decimals
-constexpr std::uint8_t codes = 100;
+constexpr std::uint8_t scale_codes = 100;
 constexpr std::uint8_t multiplying = 128;  // is added to the code
 
 struct Candidate {
@@ -21,8 +21,8 @@ struct Candidate {
   std::uint8_t code = 0;
 };
 
-constexpr std::array<Candidate, codes> make_candidates() {
-  std::array<Candidate, codes> made{};
+constexpr std::array<Candidate, scale_codes> make_candidates() {
+  std::array<Candidate, scale_codes> made{};
   double ten = 1;
   std::uint8_t code = 1;
   for (int j = 0; j < 10; ++j, ten *= 10)
@@ -31,7 +31,7 @@ constexpr std::array<Candidate, codes> make_candidates() {
       ++code;
     }
   double two = 1 << first_power;
-  for (; code <= codes; ++code, two *= 2) made[code - 1u] = {two, code};
+  for (; code <= scale_codes; ++code, two *= 2) made[code - 1u] = {two, code};
   return made;
 }
 constexpr auto by_code = make_candidates();
@@ -61,7 +61,7 @@ struct Fit {
 std::optional<GridScale> GridScale::of_code(std::uint8_t code) {
   const bool multiplies = code > multiplying;
   const std::uint8_t plain = multiplies ? code - multiplying : code;
-  if (plain < 1 || plain > (multiplies ? decimals : codes)) return {};
+  if (plain < 1 || plain > (multiplies ? decimals : scale_codes)) return {};
   return GridScale(code, by_code[plain - 1u].scale, multiplies || plain > decimals);
 }
 

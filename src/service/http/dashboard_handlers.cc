@@ -40,7 +40,7 @@ Answer dashboard(const Call& call) {
   return answer;
 }
 
-Answer file(const Call& call) { return file_of(call.request, call.arguments[0]); }
+Answer dashboard_file(const Call& call) { return file_of(call.request, call.arguments[0]); }
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void add_dashboard_routes(std::vector<Route>& routes) {
              "getDashboardFile",
              "A file of the dashboard",
              {{200, "text/javascript", "", "The file"}, unchanged},
-             file};
+             dashboard_file};
   for (Route* route : {&ui, &part}) {
     route->runs = Runs::at_once;
     routes.push_back(std::move(*route));

@@ -14,7 +14,7 @@ using About = Question::About;
 
 constexpr const char* csv = "text/csv";
 constexpr const char* npy = "application/x-npy";
-constexpr const char* geojson = "application/geo+json";
+constexpr const char* geojson_type = "application/geo+json";
 constexpr const char* gltf = "model/gltf-binary";
 constexpr const char* bytes = "application/octet-stream";
 constexpr const char* tiff = "image/tiff; application=geotiff; profile=cloud-optimized";
@@ -129,7 +129,7 @@ void add_question_routes(std::vector<Route>& routes) {
   const std::vector<Response> many{{200, json, "Answers", "One answer for each point, in their order"},
                                    {200, csv, "", "One answer for each point, in their order"},
                                    {200, npy, "", "One answer for each point, in their order"}};
-  const std::vector<Response> mesh{{200, geojson, "", "The cells, in the format f"},
+  const std::vector<Response> mesh{{200, geojson_type, "", "The cells, in the format f"},
                                    {200, "application/vnd.ply", "", "The cells, in the format f"},
                                    {200, bytes, "", "The cells, in the format f"}};
 
@@ -155,9 +155,9 @@ void add_question_routes(std::vector<Route>& routes) {
   routes.push_back(route("GET", "cells", "getCells", "The cells that meet a box", mesh, asks(About::cells),
                          {bbox, cell_format, limit}));
   Route cells = route("POST", "cells", "getCellsOfPolygon", "The cells that meet polygons", mesh,
-                      asks_with_body(About::cells, {geojson, json}), {cell_format, limit});
+                      asks_with_body(About::cells, {geojson_type, json}), {cell_format, limit});
   cells.body = "Document";
-  cells.body_types = {geojson};
+  cells.body_types = {geojson_type};
   routes.push_back(std::move(cells));
   Route interpolate =
       route("POST", "interpolate", "interpolate", "Interpolate an attribute of the vertices at points", many,
@@ -183,7 +183,7 @@ void add_question_routes(std::vector<Route>& routes) {
   const Parameter value{"value", "string", "The attribute of the vertices; default: z, the heights"};
   routes.push_back(
       route("GET", "contours", "getContours", "The contour lines of a 2D result",
-            {{200, geojson, "", "The lines, in the coordinates of the result"},
+            {{200, geojson_type, "", "The lines, in the coordinates of the result"},
              {200, "application/geopackage+sqlite3", "", "The lines, as a GeoPackage"}},
             asks(About::contours),
             {bbox,
@@ -199,7 +199,7 @@ void add_question_routes(std::vector<Route>& routes) {
   const std::vector<Response> heights{
       {200, csv, "", "The profile, with a row for each place where it bends"},
       {200, json, "Profile", "The profile, with a point for each place where it bends"},
-      {200, geojson, "", "The profile as lines, with the value as the third coordinate"}};
+      {200, geojson_type, "", "The profile as lines, with the value as the third coordinate"}};
   const Parameter digits{"digits", "string",
                          "csv: the number of decimals, 0 to 17, or all; default: as many as the data have"};
   const Parameter profile_format{
@@ -212,11 +212,11 @@ void add_question_routes(std::vector<Route>& routes) {
                           value,
                           digits,
                           profile_format}));
-  Route profile =
-      route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,
-            asks_with_body(About::profile, {geojson, json}), {max_edge, max_radius, value, digits, profile_format});
+  Route profile = route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,
+                        asks_with_body(About::profile, {geojson_type, json}),
+                        {max_edge, max_radius, value, digits, profile_format});
   profile.body = "Document";
-  profile.body_types = {geojson};
+  profile.body_types = {geojson_type};
   routes.push_back(std::move(profile));
 
   const std::string place = "x,y,z";

@@ -106,7 +106,7 @@ std::string known_attributes(const Manifest& result) {
   return text.empty() ? "none" : text;
 }
 
-Status check_columns(const SentColumns& sent, const Manifest& result, bool heights) {
+Status check_sent_columns(const SentColumns& sent, const Manifest& result, bool heights) {
   if (sent.x.empty()) return bad_body("has no points");
   const auto wrong = [&](const std::vector<double>& list, const std::string& name) {
     return bad_body("has " + std::to_string(sent.x.size()) + " values of x, but " + std::to_string(list.size()) +
@@ -132,7 +132,7 @@ Status check_columns(const SentColumns& sent, const Manifest& result, bool heigh
 Result<ResultChange> change_of(const SentColumns& sent, const Manifest& result) {
   const bool heights = std::any_of(result.schema.begin(), result.schema.end(),
                                    [&](const Attribute& attribute) { return is_height(result, attribute); });
-  BOOST_OUTCOME_TRYV(check_columns(sent, result, heights));
+  BOOST_OUTCOME_TRYV(check_sent_columns(sent, result, heights));
   ResultChange change;
   change.add.resize(sent.x.size());
   for (std::size_t i = 0; i < sent.x.size(); ++i) {

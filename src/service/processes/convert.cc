@@ -13,14 +13,13 @@
 #include "src/job/report/human.h"
 #include "src/result/heights/copies.h"
 #include "src/service/json.h"
+#include "src/service/processes/refuse.h"
 #include "src/tiling/partition.h"
 
 namespace tessera::service {
 namespace {
 
 // "crop: is an empty box", with a mark for the option.
-Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
-
 Status read_tiles(const proto::TriangulateInputs& inputs, const JobShare& share, JobOptions& options) {
   if (inputs.has_tiles() && inputs.has_tile_points()) {
     return error(Errc::usage, option("tiles") + " and " + option("max-points-per-tile") +

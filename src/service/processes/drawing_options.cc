@@ -11,11 +11,10 @@
 #include "src/job/surface_arguments.h"
 #include "src/result/export/export.h"
 #include "src/result/tileset/tileset.h"
+#include "src/service/processes/refuse.h"
 
 namespace tessera::service {
 namespace {
-
-Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
 
 // Reads the options that both have.
 template <class Inputs, class Options>

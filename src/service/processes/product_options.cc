@@ -9,11 +9,10 @@
 #include "src/job/arguments.h"
 #include "src/job/job_options.h"
 #include "src/service/processes/polygon_text.h"
+#include "src/service/processes/refuse.h"
 
 namespace tessera::service {
 namespace {
-
-Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
 
 template <class Inputs, class Options>
 Status read_share(const Inputs& inputs, const JobShare& share, Options& options) {

@@ -9,12 +9,11 @@
 #include "src/result/query/area.h"
 #include "src/service/json.h"
 #include "src/service/processes/convert.h"
+#include "src/service/processes/refuse.h"
 #include "src/tiling/budget/budget.h"
 
 namespace tessera::service {
 namespace {
-
-Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
 
 Status read_place(const proto::RegionInputs& inputs, RegionJobOptions& options) {
   if (inputs.has_polygon() == (inputs.bbox_size() > 0))

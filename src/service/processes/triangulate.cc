@@ -39,7 +39,7 @@ Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& opt
   return summary;
 }
 
-Reply<JobDone> done_with(JobSummary summary, const proto::JobRecord& job) {
+Reply<JobDone> triangulation_done(JobSummary summary, const proto::JobRecord& job) {
   summary.out = job.triangulation();
   return JobDone{summary_json(summary) + "\n", summary.points_read, summary.seconds};
 }
@@ -78,7 +78,7 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   if (published.value()) {
     auto summary = summary_of_stored(shop, options.value(), job);
     if (!summary) return problem_of(summary.error());
-    return done_with(std::move(summary).value(), job);
+    return triangulation_done(std::move(summary).value(), job);
   }
   auto folder = ResultFolder::inspect(path, true, false);
   if (!folder) return problem_of(folder.error());
@@ -99,10 +99,10 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   auto summary = run_job(shop.engine, options.value(), open, folder.value(), work.progress, work.ledger.token());
   if (const auto bounded = watch.finish(); !bounded && summary) summary = bounded.error();
   if (!summary) return failed_with(work.ledger.reason().value_or(summary.error()), refused, folder.value(), shop, work);
-  if (summary.value()) return done_with(*std::move(summary).value(), job);
+  if (summary.value()) return triangulation_done(*std::move(summary).value(), job);
   auto stored = summary_of_stored(shop, options.value(), job);
   if (!stored) return problem_of(stored.error());
-  return done_with(std::move(stored).value(), job);
+  return triangulation_done(std::move(stored).value(), job);
 }
 
 Reply<proto::Estimate> estimate_triangulate(const Workshop& shop, const proto::Inputs& all,
