@@ -132,7 +132,7 @@ def main(build, site):
     if done.returncode:
         raise SystemExit("make_site: mkdocs says:\n" + done.stdout + done.stderr)
     check_that_nothing_is_asked_of_the_network(site)
-    print(f"{site}/index.html: {sum(1 for _ in site.rglob('*.html'))} pages")
+    print(f"{site}/index.html: {sum(1 for _ in site.rglob('*.html'))} pages. Search needs a server: python3 -m http.server -d {site}")
 
 
 if __name__ == "__main__":

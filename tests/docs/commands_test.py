@@ -64,8 +64,8 @@ class Folder:
         (self.folder / name).parent.mkdir(exist_ok=True)
         (self.folder / name).symlink_to(CLOUDS / cloud)
 
-    def result(self, name, options):
-        self.made(f"tessera triangulate {CLOUDS}/ign_77050_627755.laz -o {name}/ --crop {BOX} --quiet {options}")
+    def result(self, name, options, crop=f"--crop {BOX}"):
+        self.made(f"tessera triangulate {CLOUDS}/ign_77050_627755.laz -o {name}/ {crop} --quiet {options}")
 
     def geojson(self, name, kind, places):
         ring = [[CORNER[0] + x, CORNER[1] + y] for x, y in places]
@@ -118,7 +118,8 @@ def inputs(here):
 
 
 def questions(here):
-    ground_and_out(here)
+    here.result("ground", "--dim 2 --class 2,9")
+    here.result("out", "", crop="")
     here.cloud("where.laz")
     here.geojson("area.geojson", "Polygon", SQUARE)
     here.table("points.csv", "x,y", np.array(SQUARE) + CORNER)
@@ -175,6 +176,10 @@ def one_file(here):
     here.cloud("block/a.copc.laz")
 
 
+def places(here):
+    here.table("places.csv", "x,y", np.array(SQUARE) + CORNER)
+
+
 def nothing(here):
     pass
 
@@ -182,7 +187,7 @@ def nothing(here):
 PAGES = {
     "alpha.md": ground_and_out, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "queries.md": questions,
     "regions.md": one_file, "surfaces.md": surfaces, "terrain.md": terrain, "track.md": ground_and_out, "updates.md": updates,
-    "viewer.md": ground_and_out, "volumes.md": volumes, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": nothing,
+    "viewer.md": ground_and_out, "volumes.md": volumes, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
     "instead-of-pdal.md": nothing, "instead-of-lastools.md": nothing, "instead-of-cgal.md": nothing, "instead-of-gmsh.md": nothing,
     "instead-of-gdal-grid.md": points_of_ground,
 }
