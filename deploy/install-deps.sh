@@ -25,7 +25,7 @@ test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   python3-pandas python3-joblib             # what its users bring along
   mkdocs mkdocs-material                    # make the site of documents
-  mypy                                      # checks its types
+  mypy debootstrap                          # checks its types; makes systems in which the wheel is tried
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   systemd python3-yaml                      # judge the unit, read the manifest

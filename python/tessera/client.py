@@ -20,6 +20,7 @@ from ._transfer import PATIENCE_S, File, download, upload
 from ._triangulation import Measures, Proof, Triangulation, open as open_folder
 from ._volumes import VolumeTable, table_of
 from ._voronoi import VoronoiFile
+from ._viewer import ViewerLink
 
 # The options of triangulate() that have another name in the service.
 FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "spatial_index"}
@@ -361,6 +362,11 @@ class Client:
         """Returns the results of the daemon, each a dict of "name", "dimension", "vertices", "cells", "tiles", "bytes",
         "digest", ..."""
         return self._http.ask_for_all("/triangulations", "triangulations")
+
+    def view(self, name: str) -> ViewerLink:
+        """Returns a link to the daemon's viewer of a result (docs/viewer.md), which notebooks show. The viewer opens in a
+        page of its own, because the daemon lets no other page embed it."""
+        return ViewerLink(name, f"{self._http.url}/ui/#/view/{quoted(name)}")
 
     def inputs(self, folder: str = "") -> list[dict[str, typing.Any]]:
         """Returns the point files and folders that jobs may read, each a dict of "name", "folder", "bytes", "points",

@@ -74,6 +74,15 @@ class Pages(unittest.TestCase):
         self.assertIn("not known: http://127.0.0.1:1 cannot be reached", Texts(job(gone)._repr_html_()).texts)
 
 
+class Links(unittest.TestCase):
+    def test_a_result_of_a_daemon_is_a_link_and_its_name_is_text(self):
+        link = tessera.connect("http://127.0.0.1:7070/base/#token=secret").view('a "b"<i>')
+        self.assertEqual(link.address, "http://127.0.0.1:7070/base/ui/#/view/a%20%22b%22%3Ci%3E")
+        page = Texts(link._repr_html_())
+        self.assertEqual((page.tags, page.texts), ({"a"}, ['View a "b"<i>']))
+        self.assertNotIn("secret", link._repr_html_())
+
+
 class Notebook:
     """Stands in for IPython, and for ipywidgets if `widgets`: what they show is in `shown`."""
 
