@@ -153,7 +153,8 @@ inline introduce_refused() {
     :: else ->
       if
       :: HAS(word[AT(me, u)], OWNER(v)) -> rely(u, OWNER(v))
-      :: !HAS(word[AT(me, u)], OWNER(v)) && IS_FRESH(u) -> share(u, OWNER(v))
+      :: !HAS(word[AT(me, u)], OWNER(v)) && !IS_FRESH(v) -> quote(v, OWNER(u))
+      :: !HAS(word[AT(me, u)], OWNER(v)) && IS_FRESH(v) && IS_FRESH(u) -> share(u, OWNER(v))
       :: else -> quote(u, OWNER(v))
       fi
     fi;

@@ -16,9 +16,11 @@
 
 #include "src/base/check.h"
 #include "src/base/mixed_bits.h"
+#include "src/geometry/kernel/kernel.h"
 #include "src/geometry/reference/clouds.h"
 #include "src/geometry/reference/reference.h"
 #include "src/tiling/tile/changed_points.h"
+#include "src/tiling/tile/holes.h"
 #include "src/tiling/tile/tile_triangulation.h"
 
 namespace tessera::testing {
@@ -46,6 +48,8 @@ struct Tile {
   std::vector<PointId> ids;
   bool begins = false;
   std::size_t added = 0;                 // of points, the last
+  PointIds filled;                       // removed points: the tile knows all points around their holes
+  std::vector<SharedPoint> around;       // these
   std::unique_ptr<TileTriangulation> t;  // null: asleep
   bool due = false;
   std::vector<Mail> waiting;
@@ -89,6 +93,7 @@ class Exchange {
 
  private:
   void prepare(const Change& change, std::span<const SharedPoint> stayed);
+  void fill_holes(const Change& change, std::span<const SharedPoint> stayed);
   void choose_common(const Change& change, std::span<const SharedPoint> stayed);
   void know_least(Tile& tile, std::uint32_t self) const;
   void start(std::uint32_t i);
@@ -132,7 +137,34 @@ TileOptions Exchange::options_of(std::uint32_t i) const {
   return out;
 }
 
+// Some of the holes that can be filled.
+void Exchange::fill_holes(const Change& change, std::span<const SharedPoint> stayed) {
+  for (Tile& t : tile_) {
+    t.filled = {};
+    t.around.clear();
+  }
+  std::vector<Point> points;
+  for (const SharedPoint& p : stayed) points.push_back(p.at);
+  const auto kernel = make_kernel(setting_.dimension, KernelKind::cgal);
+  kernel->build(points, KeepPoints::copied, {});
+  const bool span = kernel->dimension() == setting_.dimension;
+  const std::uint64_t style = rng_() % 4;  // none, some, all
+  for (std::uint32_t i = 0; i < setting_.tiles && span && style > 0 && !setting_.options->live; ++i) {
+    if (!tile_[i].mesh) continue;
+    for (const Hole& hole : find_holes(TileId{i}, *tile_[i].mesh, change.removed)) {
+      if ((!hole.whole && !mutant(Mutant::shared_holes)) || (style == 1 && coin())) continue;
+      tile_[i].filled.insert(hole.removed);
+      for (const TileId beside : hole.beside) {
+        Tile& t = tile_[beside.value];
+        t.filled.insert(hole.removed);
+        if (!mutant(Mutant::untold_holes)) t.around.insert(t.around.end(), hole.around.begin(), hole.around.end());
+      }
+    }
+  }
+}
+
 void Exchange::prepare(const Change& change, std::span<const SharedPoint> stayed) {
+  fill_holes(change, stayed);
   std::vector<std::vector<LocalPoint>> added(setting_.tiles);
   for (const LocalPoint& p : change.added) added[setting_.owner(p.at)].push_back(p);
   const bool seeds = rng_() % 4 == 0;
@@ -140,7 +172,12 @@ void Exchange::prepare(const Change& change, std::span<const SharedPoint> stayed
     Tile& t = tile_[i];
     TileMesh nothing;
     nothing.dimension = setting_.dimension;
-    t.begin = change_points(t.mesh ? *t.mesh : nothing, TileId{i}, change.removed, added[i]);
+    t.begin = change_points(t.mesh ? *t.mesh : nothing, TileId{i}, change.removed, added[i], t.filled);
+    for (const SharedPoint& p : t.around) {
+      const bool knows =
+          std::any_of(t.begin.foreign.begin(), t.begin.foreign.end(), [&](auto& f) { return f.id == p.id; });
+      if (!knows && p.tile.value != i) t.begin.foreign.push_back(p);
+    }
     if (mutant(Mutant::affected_not_fresh)) {
       for (std::size_t k = 0; k < t.begin.fresh.size(); ++k) {
         t.begin.fresh[k] = k + added[i].size() >= t.begin.fresh.size() ? 1 : 0;
@@ -382,7 +419,7 @@ std::string Exchange::run(const Change& change, std::span<const SharedPoint> sta
       t.live.reset();
       continue;
     }
-    if (!t.t && t.begin.lost) start(i);  // its cells follow from what is left
+    if (!t.t && (t.begin.lost || t.begin.reshaped)) start(i);  // its cells follow from what is left
     if (!t.t) {
       if (!t.mesh) wrong_ = "tile " + std::to_string(i) + " has points and never began";
       continue;

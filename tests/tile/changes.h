@@ -26,7 +26,9 @@ enum class Mutant : std::uint8_t {
   forgotten_sent,   // a live tile keeps what it had told in the change before, and the following: LeftOut
   forgotten_fresh,
   forgotten_refused,
-  no_replay,  // nothing is repeated for tiles that were lost
+  untold_holes,  // a tile is not told the points around a hole that is filled
+  shared_holes,  // a hole is filled although several tiles own its removed points
+  no_replay,     // nothing is repeated for tiles that were lost
   replayed_quotes,
 };
 

@@ -156,6 +156,67 @@ void Update::expect_as_from_scratch() const {
   EXPECT_TRUE(verified) << verified.error().where;
 }
 
+// Of 400 tiles. A change at the hull concerns as few tiles as any other.
+class UpdateAtTheHull : public Update, public ::testing::WithParamInterface<int> {
+ protected:
+  void SetUp() override { make({"uniform", GetParam(), 400, PartitionKind::kdtree, TileKind::cells}, 9000, 5, false); }
+  // Vertices of one edge of the hull, by different owners.
+  std::vector<PointId> edge_of_hull() const {
+    const auto source = TileSource::open(now()).value();
+    for (std::size_t i = 0; i < source.tiles(); ++i) {
+      const TileMesh mesh = source.read(i, {.cells = true}).value().mesh;
+      const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
+      const auto on_hull = [&](std::int32_t v) {  // near enough: on the side of the least x
+        return mesh.points[static_cast<std::size_t>(v)].x < source.manifest().bounds.lo.x + 0.02;
+      };
+      for (std::size_t at = 0; at < mesh.cells.size(); at += corners) {
+        const std::int32_t a = mesh.cells[at], b = mesh.cells[at + 1];
+        if (on_hull(a) && on_hull(b) &&
+            mesh.owners[static_cast<std::size_t>(a)] != mesh.owners[static_cast<std::size_t>(b)])
+          return {mesh.ids[static_cast<std::size_t>(a)], mesh.ids[static_cast<std::size_t>(b)]};
+      }
+    }
+    return {};
+  }
+};
+
+TEST_P(UpdateAtTheHull, ReadsOnlyTilesThatChangeWhenOneVertexGoes) {
+  for (const bool high : {false, true}) {
+    const auto by_x = [](const auto& a, const auto& b) { return a.at.x < b.at.x; };
+    const auto [least, greatest] = std::minmax_element(cloud_.points.begin(), cloud_.points.end(), by_x);
+    const Updated updated = update(change({high ? greatest->id : least->id}, {}));
+    EXPECT_EQ(updated.begun, 0u);
+    EXPECT_EQ(updated.exchange.sent, 0u);
+    EXPECT_EQ(updated.awake, updated.written);
+    EXPECT_LT(updated.awake, 40u);
+    expect_as_from_scratch();
+  }
+}
+
+TEST_P(UpdateAtTheHull, ReadsFewTilesWhenVerticesOfSeveralTilesGo) {
+  const std::vector<PointId> edge = edge_of_hull();
+  ASSERT_EQ(edge.size(), 2u);
+  const Updated updated = update(change(edge, {}));
+  EXPECT_GT(updated.begun, 1u);
+  EXPECT_LT(updated.awake, 100u);
+  expect_as_from_scratch();
+}
+
+TEST_P(UpdateAtTheHull, ReadsFewTilesBesideThoseThatChangeForAPointFarAway) {
+  const Point far = GetParam() == 2 ? Point{0.5, 40, 0} : Point{0.5, 0.5, 40};
+  const PointId id{cloud_.points_read};
+  const Updated added = update(change({}, {far}));
+  EXPECT_LE(added.awake, added.written * 5 / 4);
+  expect_as_from_scratch();
+  const Updated removed = update(change({id}, {}));
+  EXPECT_EQ(removed.exchange.sent, 0u);
+  EXPECT_EQ(removed.awake, removed.written);
+  EXPECT_LE(removed.awake, added.written + 1);
+  expect_as_from_scratch();
+}
+
+INSTANTIATE_TEST_SUITE_P(Dimensions, UpdateAtTheHull, ::testing::Values(2, 3));
+
 class UpdateOf : public Update, public ::testing::WithParamInterface<Case> {};
 
 TEST_P(UpdateOf, IsTheResultFromScratchAfterEachOfManyChanges) {

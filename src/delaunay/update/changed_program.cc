@@ -75,6 +75,7 @@ Status ChangedProgram::begin() {
   if (!concerned) return success();
   BOOST_OUTCOME_TRYV(read(true));
   begun_ = start_->begins;
+  reshaped_ = start_->reshaped;
   if (begun_) return build();
   start_.reset();
   return success();
@@ -125,12 +126,14 @@ bool ChangedProgram::take_last_part(BigVector<std::byte>& bytes, LastPart& last)
   if (bytes.size() < sizeof last) return false;
   std::memcpy(&last, bytes.data() + bytes.size() - sizeof last, sizeof last);
   bytes.resize(bytes.size() - sizeof last);
-  return last.built <= 1 && last.begun <= 1 && last.lost <= 1 && (last.built != 0 || bytes.empty());
+  return last.built <= 1 && last.begun <= 1 && last.lost <= 1 && last.reshaped <= 1 &&
+         (last.built != 0 || bytes.empty());
 }
 
 void ChangedProgram::go_by(const LastPart& last) {
   begun_ = last.begun != 0;
   lost_ = last.lost != 0;
+  reshaped_ = last.reshaped != 0;
   counts_ = last.counts;
 }
 
@@ -210,7 +213,7 @@ Result<std::unique_ptr<Finished>> ChangedProgram::finish() {
     BOOST_OUTCOME_TRYV(read(false));
   }
   end.lost = start_->lost;
-  if (!triangulation_ && start_->lost && !start_->points.empty()) {
+  if (!triangulation_ && (start_->lost || reshaped_) && !start_->points.empty()) {
     start_->begins = false;
     BOOST_OUTCOME_TRYV(build());
     counts_ = {};
@@ -220,7 +223,7 @@ Result<std::unique_ptr<Finished>> ChangedProgram::finish() {
     BOOST_OUTCOME_TRYV(check_span());
   }
   end.counts = counts_;
-  end.changed = begun_ || start_->lost || counts_.inserted > 0;
+  end.changed = begun_ || start_->lost || reshaped_ || counts_.inserted > 0;
   end.removed_bounds = start_->removed_bounds;
   end.duplicates = std::move(start_->duplicates);
   std::unique_ptr<CollectedTile> cells;

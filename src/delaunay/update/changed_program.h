@@ -44,10 +44,12 @@ class ChangedProgram final : public TileProgram {
  private:
   // Ends an image, and what the tile has settled.
   struct LastPart {
-    std::uint64_t built = 0, begun = 0, lost = 0;
+    std::uint64_t built = 0, begun = 0, lost = 0, reshaped = 0;
     ExchangeCounts counts;
   };
-  LastPart last_part() const { return {triangulation_ ? 1u : 0u, begun_ ? 1u : 0u, lost_ ? 1u : 0u, counts_}; }
+  LastPart last_part() const {
+    return {triangulation_ ? 1u : 0u, begun_ ? 1u : 0u, lost_ ? 1u : 0u, reshaped_ ? 1u : 0u, counts_};
+  }
   // Takes the last part off `bytes`. Returns false when there is none.
   static bool take_last_part(BigVector<std::byte>& bytes, LastPart& last);
   void go_by(const LastPart& last);
@@ -63,7 +65,7 @@ class ChangedProgram final : public TileProgram {
   std::unique_ptr<TileTriangulation> triangulation_;  // null: nothing has woken the tile, or it sleeps
   std::unique_ptr<StartOfTile> start_;                // kept while the tile is whole in memory
   HeardPoints heard_;
-  bool begun_ = false, lost_ = false;
+  bool begun_ = false, lost_ = false, reshaped_ = false;
   bool earlier_ = false;  // the image on scratch is of an earlier life
   ExchangeCounts counts_;
 };

@@ -1,7 +1,6 @@
 #include "src/delaunay/update/changed_tile.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "src/base/flat_codec.h"
@@ -11,33 +10,11 @@
 
 namespace tessera {
 
-HolesOfTile holes_of(TileId self, const TileMesh& stored, const PointIds& removed) {
-  std::set<TileId> beside;
-  std::vector<std::uint8_t> gone(stored.ids.size()), affected(stored.ids.size());
-  for (std::size_t v = 0; v < gone.size(); ++v) gone[v] = removed.contains(stored.ids[v]) ? 1 : 0;
-  const auto corners = static_cast<std::size_t>(stored.dimension) + 1;
-  for (std::size_t at = 0; at < stored.cells.size(); at += corners) {
-    const std::int32_t* cell = &stored.cells[at];
-    if (std::none_of(cell, cell + corners, [&](std::int32_t v) { return gone[v] != 0; })) continue;
-    for (std::size_t i = 0; i < corners; ++i) {
-      affected[cell[i]] = 1;
-      if (stored.owners[cell[i]] != self) beside.insert(stored.owners[cell[i]]);
-    }
-  }
-  HolesOfTile holes;
-  holes.beside.assign(beside.begin(), beside.end());
-  for (std::size_t v = 0; v < gone.size(); ++v) {
-    if (affected[v] != 0 && gone[v] == 0)
-      holes.around.push_back({stored.points[v], stored.ids[v], stored.owners[v], 0});
-  }
-  std::sort(holes.around.begin(), holes.around.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  return holes;
-}
-
 BigVector<std::byte> bytes_of(const ToldOfHoles& told) {
   FlatWriter out;
   out.value(static_cast<std::uint8_t>(told.beside ? 1 : 0));
   out.list(told.around);
+  out.list(told.filled);
   return out.take();
 }
 
@@ -45,7 +22,8 @@ std::optional<ToldOfHoles> told_of(std::span<const std::byte> bytes) {
   FlatReader in(bytes);
   ToldOfHoles told;
   std::uint8_t beside = 0;
-  if (!in.value(beside) || beside > 1 || !in.list(told.around) || !in.at_end()) return std::nullopt;
+  if (!in.value(beside) || beside > 1 || !in.list(told.around) || !in.list(told.filled) || !in.at_end())
+    return std::nullopt;
   told.beside = beside != 0;
   return told;
 }
@@ -66,8 +44,9 @@ void put_in_hilbert_order(std::vector<SharedPoint>& points, int dimension) {
 StartOfTile start_of(TileId self, TileMesh stored, const UpdatePlan& plan, const ToldOfHoles& told) {
   StartOfTile start;
   const int dimension = stored.dimension;
-  ChangedPoints changed = change_points(stored, self, plan.removed, {});
+  ChangedPoints changed = change_points(stored, self, plan.removed, {}, PointIds(told.filled));
   start.lost = changed.lost;
+  start.reshaped = changed.reshaped;
   const std::size_t old = changed.own.size();
   for (std::size_t v = 0; start.lost && v < stored.ids.size(); ++v) {
     if (stored.owners[v] != self || !plan.removed.contains(stored.ids[v])) continue;

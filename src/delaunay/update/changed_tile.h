@@ -17,19 +17,12 @@
 
 namespace tessera {
 
-// Where points of one tile were removed.
-struct HolesOfTile {
-  std::vector<SharedPoint> around;  // points of any tile that stay and that an edge joined to a removed point, by id
-  std::vector<TileId> beside;       // other tiles with a vertex in a cell with a removed point, ascending
-};
-// `stored`: the tile `self`, with its cells.
-HolesOfTile holes_of(TileId self, const TileMesh& stored, const PointIds& removed);
-
-// What the owners of removed points have told a tile.
+// What the owners of removed points have told a tile, and a tile itself.
 struct ToldOfHoles {
   bool beside = false;              // a vertex of the tile is in a cell with a removed point of another tile
   std::vector<SharedPoint> around;  // points around the holes, by id
-  bool empty() const { return !beside && around.empty(); }
+  std::vector<PointId> filled;      // removed points: the tile knows all points around their holes; ascending
+  bool empty() const { return !beside && around.empty() && filled.empty(); }
 };
 BigVector<std::byte> bytes_of(const ToldOfHoles& told);
 // Nothing when the bytes are not those of such a list.
@@ -45,8 +38,9 @@ struct StartOfTile {
   Bounds removed_bounds;                  // of the tile's own vertices that are removed
   bool begins = false;                    // the tile has fresh points
   bool lost = false;                      // an own vertex is removed
+  bool reshaped = false;                  // cells with a vertex of the tile are gone whose points are not fresh
 };
-// `stored`: the tile `self`; without its cells, no point that stays counts as fresh.
+// `stored`: the tile `self`; without its cells, no point that stays counts as fresh, and the tile not as reshaped.
 StartOfTile start_of(TileId self, TileMesh stored, const UpdatePlan& plan, const ToldOfHoles& told);
 
 // So that each is inserted near the one before.

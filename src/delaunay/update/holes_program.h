@@ -5,10 +5,14 @@
 //
 // Besides, where points were removed at a border, a tile no longer knows what is beyond. It would take far points for
 // its neighbours, and wake tile after tile. So each tile that begins knows the points around the holes from the start.
+//
+// A hole is filled when one tile owns all of its removed points: each tile beside the hole is told all points around,
+// and has its cells from them alone. Where all holes are filled and no points are added, there is no exchange.
 #pragma once
 
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,7 +24,7 @@ namespace tessera {
 
 class HolesProgram final : public TileProgram {
  public:
-  // A tile tells at most so many points around its holes, spread evenly.
+  // A tile tells at most so many points around its holes, spread evenly; and of each filled hole at most so many.
   static constexpr std::size_t points_max = 4096;
 
   HolesProgram(TileId self, std::shared_ptr<const UpdateSetting> setting) : self_(self), setting_(std::move(setting)) {}
@@ -53,6 +57,7 @@ class HolesProgram final : public TileProgram {
   std::shared_ptr<const UpdateSetting> setting_;
   bool beside_ = false;
   std::map<PointId, SharedPoint> around_;
+  std::set<PointId> filled_;
   std::vector<TileId> reborn_;  // ascending
   std::vector<std::pair<TileId, Message>> messages_;
   ExchangeCounts counts_;

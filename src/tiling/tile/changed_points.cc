@@ -9,7 +9,7 @@ bool ChangedPoints::begins() const {
 }
 
 ChangedPoints change_points(const TileMesh& mesh, TileId self, const PointIds& removed,
-                            std::span<const LocalPoint> added) {
+                            std::span<const LocalPoint> added, const PointIds& filled) {
   ChangedPoints out;
   const std::size_t vertices = mesh.points.size();
   const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
@@ -22,7 +22,11 @@ ChangedPoints change_points(const TileMesh& mesh, TileId self, const PointIds& r
   for (std::size_t at = 0; any && at < mesh.cells.size(); at += corners) {
     const std::int32_t* cell = &mesh.cells[at];
     if (std::none_of(cell, cell + corners, [&](std::int32_t v) { return gone[v] != 0; })) continue;
-    for (std::size_t i = 0; i < corners; ++i) affected[cell[i]] = 1;
+    const bool known = !filled.empty() && std::all_of(cell, cell + corners, [&](std::int32_t v) {
+      return gone[v] == 0 || filled.contains(mesh.ids[v]);
+    });
+    out.reshaped |= known;
+    for (std::size_t i = 0; i < corners && !known; ++i) affected[cell[i]] = 1;
   }
   for (std::size_t v = 0; v < vertices; ++v) {
     const bool own = mesh.owners[v] == self;

@@ -18,16 +18,27 @@ void FreshPoints::learn_all() {
   due_.clear();
 }
 
-void FreshPoints::replay(const std::function<bool(TileId)>& reborn,
-                         const std::function<void(Vertex, TileId)>& tell) const {
+bool FreshPoints::add_refused_quote(const SharedPoint& p, TileId tile) {
+  for (auto q = refused_quotes_.rbegin(); q != refused_quotes_.rend() && q->point.id == p.id; ++q) {
+    if (q->tile == tile) return false;  // for another neighbour
+  }
+  refused_quotes_.push_back({{p.at, p.id, p.tile, 0}, tile});
+  return true;
+}
+
+void FreshPoints::replay(const std::function<bool(TileId)>& reborn, const std::function<void(Vertex, TileId)>& tell,
+                         const std::function<void(const SharedPoint&, TileId)>& tell_refused) const {
   for (const std::uint64_t pair : quoted_) {
     const TileId tile{static_cast<std::uint32_t>(pair)};
     if (reborn(tile)) tell(static_cast<Vertex>(pair >> 32), tile);
   }
+  for (const RefusedQuote& q : refused_quotes_) {
+    if (reborn(q.tile)) tell_refused(q.point, q.tile);
+  }
 }
 
 FreshPoints::State FreshPoints::state() const {
-  return {fresh_, due_, {quoted_.begin(), quoted_.end()}, {refused_.begin(), refused_.end()}};
+  return {fresh_, due_, {quoted_.begin(), quoted_.end()}, {refused_.begin(), refused_.end()}, refused_quotes_};
 }
 
 bool FreshPoints::State::fits(std::size_t vertices) const {
@@ -39,6 +50,7 @@ FreshPoints::FreshPoints(State state)
     : fresh_(std::move(state.fresh)),
       due_(std::move(state.due)),
       quoted_(state.quoted.begin(), state.quoted.end()),
-      refused_(state.refused.begin(), state.refused.end()) {}
+      refused_(state.refused.begin(), state.refused.end()),
+      refused_quotes_(std::move(state.refused_quotes)) {}
 
 }  // namespace tessera

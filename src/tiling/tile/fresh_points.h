@@ -14,6 +14,7 @@
 
 #include "src/base/ids.h"
 #include "src/base/mix_hash.h"
+#include "src/base/point.h"
 #include "src/geometry/kernel/kernel.h"
 
 namespace tessera {
@@ -47,15 +48,24 @@ class FreshPoints {
 
   // Notes that v is told to `tile` without the fresh bit. Returns false if that was noted before.
   bool add_quote(Vertex v, TileId tile) { return quoted_.insert(std::uint64_t{v} << 32 | tile.value).second; }
-  // Calls `tell` for all that was quoted to reborn tiles.
-  void replay(const std::function<bool(TileId)>& reborn, const std::function<void(Vertex, TileId)>& tell) const;
+  // The same for a point that was refused. REQUIRES: all calls for one point follow each other.
+  bool add_refused_quote(const SharedPoint& p, TileId tile);
+  // Calls `tell` and `tell_refused` for all that was quoted to reborn tiles.
+  void replay(const std::function<bool(TileId)>& reborn, const std::function<void(Vertex, TileId)>& tell,
+              const std::function<void(const SharedPoint&, TileId)>& tell_refused) const;
 
   // For the image of a tile.
+  struct RefusedQuote {
+    SharedPoint point;
+    TileId tile;  // to which the point was quoted
+    std::uint32_t padding = 0;
+  };
   struct State {
     std::vector<std::uint8_t> fresh;
     std::vector<Vertex> due;
     std::vector<std::uint64_t> quoted;  // vertex << 32 | tile
     std::vector<PointId> refused;
+    std::vector<RefusedQuote> refused_quotes;
     // Whether all vertices are below `vertices`.
     bool fits(std::size_t vertices) const;
   };
@@ -65,7 +75,8 @@ class FreshPoints {
 
   std::size_t memory() const {
     return fresh_.capacity() + due_.capacity() * sizeof(Vertex) +
-           (quoted_.bucket_count() + refused_.bucket_count()) * 2 * sizeof(std::uint64_t);
+           (quoted_.bucket_count() + refused_.bucket_count()) * 2 * sizeof(std::uint64_t) +
+           refused_quotes_.capacity() * sizeof(RefusedQuote);
   }
 
  private:
@@ -73,6 +84,7 @@ class FreshPoints {
   std::vector<Vertex> due_;                        // known before they became fresh
   tsl::robin_set<std::uint64_t, MixHash> quoted_;  // vertex << 32 | tile
   tsl::robin_set<PointId, MixHash> refused_;       // refused points that are fresh
+  std::vector<RefusedQuote> refused_quotes_;
 };
 
 }  // namespace tessera

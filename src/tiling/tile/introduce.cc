@@ -121,12 +121,23 @@ void TileTriangulation::introduce_refused(const Refused& r) {
     if (is_known_by(r.point.tile, w) || known_.rely_on_told_bit_of_refused(r.point, r.from, owners_[w]) ||
         known_.rely_on_told_bit(w, owners_[w], r.point.tile))
       continue;
-    if (is_fresh(w)) {
+    if (!fresh) {
+      quote_refused(r.point, owners_[w]);
+    } else if (is_fresh(w)) {
       send(w, r.point.tile);
     } else {
       quote(w, r.point.tile);
     }
   }
+}
+
+// A refused point that is not fresh is quoted to the owner of a fresh point beside it. To tell the owner of the refused
+// point of the fresh one would be right, too, but that tile may sleep: where points were removed at the hull, tile
+// after tile woke in this way.
+void TileTriangulation::quote_refused(const SharedPoint& p, TileId tile) {
+  if (!fresh_->add_refused_quote(p, tile)) return;
+  refused_updates_[tile].push_back({p.at, p.id, p.tile, 0});
+  ++counts_.sent;
 }
 
 // If new vertices are not few, one pass over the cells costs a fraction of a walk around each new vertex.
@@ -282,7 +293,7 @@ void TileTriangulation::replay_if(const std::function<bool(TileId)>& reborn) {
     ++counts_.sent;
   };
   known_.replay(owners_, reborn, tell, tell_refused);
-  if (fresh_ && options_.left_out != LeftOut::replayed_quotes) fresh_->replay(reborn, tell);
+  if (fresh_ && options_.left_out != LeftOut::replayed_quotes) fresh_->replay(reborn, tell, tell_refused);
 }
 
 }  // namespace tessera

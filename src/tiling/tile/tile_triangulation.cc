@@ -684,6 +684,7 @@ BigVector<std::byte> TileTriangulation::save() const {
     out.list(fresh.due);
     out.list(fresh.quoted);
     out.list(fresh.refused);
+    out.list(fresh.refused_quotes);
   }
   return out.take();
 }
@@ -714,8 +715,8 @@ bool TileTriangulation::load(BigVector<std::byte> bytes) {
       in.value(image.frozen) && in.list(ids) && in.list(owners) && in.list(known.told) && in.list(ranks) &&
       in.list(seeds) && in.value(due) && in.value(seeded) && in.list(known.sent) && in.list(known.relied) &&
       in.list(known.refused_relied) && in.list(open_cells) && in.value(changed) &&
-      (changed == 0 ||
-       (in.list(fresh.fresh) && in.list(fresh.due) && in.list(fresh.quoted) && in.list(fresh.refused))) &&
+      (changed == 0 || (in.list(fresh.fresh) && in.list(fresh.due) && in.list(fresh.quoted) && in.list(fresh.refused) &&
+                        in.list(fresh.refused_quotes))) &&
       in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;

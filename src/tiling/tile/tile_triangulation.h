@@ -243,6 +243,7 @@ class TileTriangulation {
   Status receive_changed(TileId from, SharedPoint p);
   bool is_fresh(Vertex v) const { return !fresh_ || fresh_->has(v); }
   void quote(Vertex v, TileId tile);
+  void quote_refused(const SharedPoint& p, TileId tile);
   bool is_known_by(TileId tile, Vertex v) const;
   bool has_as_seed(TileId tile, Vertex v) const;
   void record_received(Vertex v, TileId from, const SharedPoint& p) {
