@@ -41,7 +41,8 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
     GROUP = ""
     MAIN = ()  # the options that are shown first; the others are advanced
     NEEDED = ()  # of these, those without which the command does nothing
-    LEFT_OUT = ()  # options that have no use in QGIS
+    LEFT_OUT = ()  # options that have no use here
+    SHOWN = ()  # options that are hidden elsewhere
     NUMBERS = ()  # members of the program's summary that become outputs
 
     @property
@@ -77,7 +78,8 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
 
     def options(self):
         """The options with a parameter: first the main ones."""
-        offered = [one for one in self.command.options if one.name not in HIDDEN | set(self.LEFT_OUT)]
+        hidden = (HIDDEN | set(self.LEFT_OUT)) - set(self.SHOWN)
+        offered = [one for one in self.command.options if one.name not in hidden]
         return [self.command.option(name) for name in self.MAIN] + [one for one in offered if one.name not in self.MAIN]
 
     def initAlgorithm(self, configuration=None):
@@ -117,7 +119,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
 
     def tell(self, words, feedback):
         """Runs the program and returns what it has told; its notes are shown."""
-        feedback.pushCommandInfo(" ".join(["tessera", *(hidden(str(word)) for word in words)]))
+        feedback.pushCommandInfo(" ".join(["tessera", *(without_token(str(word)) for word in words)]))
         events = self.ask(words, feedback)
         for event in events:
             for note in [event.get("note"), *(event.get("warnings") or [])]:
@@ -155,7 +157,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
             feedback.pushWarning(wrong)
 
 
-def hidden(word):
+def without_token(word):
     """A word without a token that it may have."""
     return re.sub(r"#token=\S+", "#token=...", word)
 

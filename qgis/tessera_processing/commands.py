@@ -58,7 +58,7 @@ def commands():
 
 
 # Options that the plugin gives by itself, or that have no use without a terminal.
-HIDDEN = {"config", "detach", "input-list", "json", "output", "overwrite", "quiet", "verbose", "version"}
+HIDDEN = {"config", "detach", "input-list", "json", "output", "overwrite", "quiet", "resume", "verbose", "version"}
 # Values that may be words, or numbers with a letter as 500k, although most of their kind are numbers.
 WORDS_TOO = re.compile(r"\b(auto|full|all|for example \d+[kMG])\b")
 NUMBERS = {"LENGTH", "NUMBER", "R", "HEIGHT", "DEGREES", "Z", "S", "SECONDS"}

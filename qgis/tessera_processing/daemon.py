@@ -1,6 +1,4 @@
 """The algorithms that ask a daemon: its jobs, results and inputs, and what is done with a job."""
-import pathlib
-
 from qgis.core import (QgsFeature, QgsFeatureSink, QgsField, QgsFields, QgsProcessing, QgsProcessingException,
                        QgsProcessingOutputNumber, QgsProcessingOutputString, QgsProcessingParameterFeatureSink,
                        QgsProcessingParameterFolderDestination, QgsProcessingParameterMultipleLayers,
@@ -134,15 +132,19 @@ class Upload(OfDaemon):
         self.addParameter(dressed(QgsProcessingParameterMultipleLayers("FILES", "Files", QgsProcessing.TypeFile),
                                   self.command.arguments[0].help, is_needed=True))
 
+        self.addParameter(dressed(QgsProcessingParameterString("NAME", "Name of the folder"), self.command.option("output").help, is_needed=True))
+
     def add_outputs(self):
-        self.addOutput(QgsProcessingOutputString("NAMES", "Names of the files with the daemon"))
+        self.addOutput(QgsProcessingOutputString("NAMES", "What jobs call the files"))
 
     def arguments(self, values):
         return self.parameterAsFileList(values.parameters, "FILES", values.context)
 
+    def targets(self, values):
+        return ["--output", values.text("NAME")]
+
     def results(self, values, events):
-        files = self.parameterAsFileList(values.parameters, "FILES", values.context)
-        return {"NAMES": "\n".join(pathlib.Path(file).name for file in files)}
+        return {"NAMES": f"upload:{values.text('NAME')}"}
 
 
 DAEMON = (Jobs, Results, Inputs, Watch, Cancel, Resume, Fetch, Upload)

@@ -3,7 +3,7 @@ import csv
 import pathlib
 
 from qgis.core import (QgsFeature, QgsField, QgsFields, QgsGeometry, QgsPoint, QgsProcessing,
-                       QgsProcessingContext, QgsProcessingOutputNumber, QgsProcessingParameterFileDestination,
+                       QgsProcessingContext, QgsProcessingOutputNumber, QgsProcessingOutputString, QgsProcessingParameterFileDestination,
                        QgsProcessingParameterFolderDestination, QgsProcessingParameterFile, QgsProcessingException,
                        QgsProcessingParameterRasterDestination, QgsProcessingParameterString,
                        QgsProcessingParameterVectorDestination, QgsProcessingUtils, QgsVectorFileWriter, QgsWkbTypes)
@@ -19,10 +19,13 @@ TRIANGULATIONS, SURFACES, SHAPES = "Triangulations", "Heights", "Shapes and volu
 class IntoFolder(OfPoints):
     """A command that writes a result folder."""
 
+    SHOWN = ("detach",)
+
     def add_outputs(self):
         about = self.command.option("output").help
         self.addParameter(dressed(QgsProcessingParameterFolderDestination("OUTPUT", "Result folder"), about, is_needed=True))
         self.addParameter(dressed(QgsProcessingParameterString("NAME", "Name of the result"), about, is_advanced=True))
+        self.addOutput(QgsProcessingOutputString("JOB", "Job of the daemon"))
 
     def target(self, values):
         if not values.is_given("SERVER"):
@@ -35,7 +38,8 @@ class IntoFolder(OfPoints):
         return ["--output", self.target(values)]
 
     def results(self, values, events):
-        return {"OUTPUT": self.target(values)}
+        jobs = [event["id"] for event in events if event.get("event") == "job"]
+        return {"OUTPUT": self.target(values), "JOB": jobs[-1] if jobs else ""}
 
 
 class IntoLayer(OfResult):
@@ -72,6 +76,7 @@ class IntoLayer(OfResult):
 class Triangulate(IntoFolder):
     COMMAND, TITLE, GROUP = "triangulate", "Triangulate", TRIANGULATIONS
     MAIN = ("dim", "class", "attributes")
+    SHOWN = ("resume", "detach")
 
 
 class Region(IntoFolder):
@@ -234,7 +239,7 @@ class Volume(CommandAlgorithm):
 class Surface(OfResult):
     COMMAND, TITLE, GROUP = "surface", "Closed surface", SHAPES
     MAIN = ("sensor", "lambda", "bottom", "trim", "class")
-    LEFT_OUT = ("format", "resume")  # the state would stay beside a temporary name
+    LEFT_OUT = ("format",)
 
     def add_outputs(self):
         filters = ";;".join(f"{name} (*.{ending})" for name, ending in (("Mesh", "ply"), ("Wavefront", "obj"), ("STL", "stl"), ("VTK", "vtu")))

@@ -34,3 +34,16 @@ class Daemon(DaemonTest):
         self.run_one("fetch", RESULT="ground", OUTPUT=str(folder / "ground"))
         self.tessera("verify", folder / "ground")
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
+
+    def test_files_are_sent_and_jobs_are_cancelled_and_resumed(self):
+        self.daemon = self.start("--uploads")
+        names = self.run_one("upload", FILES=[str(IGN / "ign_77050_627755.las")], NAME="mine")["NAMES"]
+        self.assertEqual(names, "upload:mine")
+        # The last of several waits for the others.
+        jobs = [self.run_one("triangulate", NAMES=names, NAME=f"r{i}", DETACH=True, OUTPUT="TEMPORARY_OUTPUT")["JOB"] for i in range(4)]
+        self.run_one("cancel", JOB=jobs[-1])
+        self.assertEqual({row["id"]: row["status"] for row in self.rows("jobs")}[jobs[-1]], "dismissed")
+        self.assertEqual(self.run_one("resume", JOB=jobs[-1])["STATUS"], "successful")
+        self.assertEqual(self.run_one("watch", JOB=jobs[0])["STATUS"], "successful")
+        self.assertEqual({row["name"] for row in self.rows("results")}, {"r0", "r1", "r2", "r3"})
+        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
