@@ -34,3 +34,8 @@ break=()
 within pip install --help | grep -q -e --break-system-packages && break=(--break-system-packages)
 within pip install --quiet --no-index --no-deps "${break[@]}" --root-user-action=ignore "/wheel/$(basename "$wheel")"
 within python3 /wheel/try_wheel.py
+gdal=$(within apt-cache pkgnames libgdal | grep -x 'libgdal[0-9]*' | tail -1)
+within env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$gdal" > "$held/log" 2>&1 ||
+  { tail -3 "$held/log" >&2; exit 1; }
+within python3 /wheel/try_wheel.py gdal
+echo "with $gdal: passed"

@@ -13,6 +13,8 @@ import re
 import shutil
 import subprocess
 
+import older_glibc
+
 # Of auditwheel's list of what each Linux has, that which C++ programs link. The two of GCC are not copied: GDAL, which is
 # loaded when it is there, links those of the system, and a process does not stand two copies of libstdc++ well.
 SYSTEM = {"libstdc++.so.6", "libgcc_s.so.1", "libm.so.6", "libc.so.6", "libdl.so.2", "librt.so.1", "libpthread.so.0"}
@@ -34,20 +36,32 @@ def bundle(own: list[pathlib.Path], folder: pathlib.Path) -> list[pathlib.Path]:
         copies[name] = folder / f"{stem}-{hashlib.sha256(content).hexdigest()[:8]}.so{ending}"
         copies[name].write_bytes(content)
         copies[name].chmod(0o755)
-    for name, copy in copies.items():
+    for copy in copies.values():
         run("strip", "--strip-unneeded", copy)  # before patchelf, whose work strip would undo
-        edit(copy, copies, "$ORIGIN", "--set-soname", copy.name)
+    supplied = supply(folder)
+    for name, copy in copies.items():
+        needed = ("--add-needed", supplied.name) if older_glibc.lower(copy) else ()
+        edit(copy, copies, "$ORIGIN", ("--set-soname", copy.name), needed)
     for path in own:
-        edit(path, copies, f"$ORIGIN:$ORIGIN/../{folder.name}")
+        needed = ("--add-needed", supplied.name) if older_glibc.lower(path) else ()
+        edit(path, copies, f"$ORIGIN:$ORIGIN/../{folder.name}", needed)
     return [libraries[name] for name in sorted(libraries)]
 
 
-def edit(path: pathlib.Path, copies: dict[str, pathlib.Path], runpath: str, *more: str) -> None:
+def supply(folder: pathlib.Path) -> pathlib.Path:
+    """Makes the library of what older systems lack. Returns it."""
+    source = pathlib.Path(older_glibc.__file__).with_suffix(".c")
+    name = f"libtessera_older-{hashlib.sha256(source.read_bytes()).hexdigest()[:8]}.so"
+    run("cc", "-shared", "-fPIC", "-O2", "-s", f"-Wl,-soname,{name}", "-o", folder / name, source)
+    return folder / name
+
+
+def edit(path: pathlib.Path, copies: dict[str, pathlib.Path], runpath: str, *more: tuple[str, ...]) -> None:
     """Lets a library link copies in place of what they were copied of, and look for them in `runpath`."""
     needed = [word for name in dynamic(path, "NEEDED") if name in copies
               for word in ("--replace-needed", name, copies[name].name)]
     # One thing at a time: patchelf 0.14 forgets names when it is to do several in one run.
-    for words in (needed, more, ("--set-rpath", runpath)):
+    for words in (needed, *more, ("--set-rpath", runpath)):
         if words:
             run("patchelf", *words, path)
 

@@ -133,7 +133,7 @@ def version():
 def metadata(external, python):
     return "".join(["Metadata-Version: 2.1\nName: tessera\n", f"Version: {version()}\n",
                     "Summary: Exact Delaunay triangulations in 2D and 3D, of any size\nLicense: GPL-3.0-or-later\n",
-                    f"Requires-Python: =={python}.*\nRequires-Dist: numpy\n",
+                    f"Requires-Python: =={python}.*\nRequires-Dist: numpy>=1.20\n",
                     *(f"Requires-External: {name}\n" for name in external),
                     "Description-Content-Type: text/markdown\n\n", (SOURCE / "docs" / "python.md").read_text()])
 

@@ -10,7 +10,7 @@ from ._progress import Progress
 
 
 class ProgressBar:
-    """A bar for the argument `progress` of triangulate(), region(), Job.wait() and Job.result().
+    """A bar for the argument `progress` of triangulate(), and of Job.wait() and other calls that wait for a daemon.
 
     tessera.triangulate(points, progress=tessera.ProgressBar())
 

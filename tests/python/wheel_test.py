@@ -15,6 +15,7 @@ import zipfile
 BUILD = pathlib.Path(os.environ["BUILD"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "python" / "backend"))
+import older_glibc  # noqa: E402
 import self_contained  # noqa: E402
 import tessera_build  # noqa: E402
 
@@ -61,14 +62,46 @@ class Wheel(unittest.TestCase):
         glibc = int(re.search(r"manylinux_2_(\d+)_", self.wheel.name)[1])
         used = {int(minor) for path in self.libraries for minor in GLIBC.findall(output_of("objdump", "-T", path))}
         self.assertLessEqual(max(used), glibc)
-        self.assertLessEqual(glibc, 36)  # that of Debian 12
+        self.assertEqual(glibc, older_glibc.GLIBC)
+
+    def test_symbols_without_a_version_are_of_the_wheel_or_older_than_the_tag(self):
+        names = {"--undefined-only": {}, "--defined-only": {}}
+        for kind, of_library in names.items():
+            for path in self.libraries:
+                listed = re.findall(r"^ *[0-9a-f]* +([A-Za-z]) (\S+)$", output_of("nm", "-D", kind, path), re.MULTILINE)
+                of_library[path.name] = {re.sub("@@.*", "", name) for letter, name in listed if letter not in "wv"}
+        inside = set().union(*names["--defined-only"].values())
+        for library, wanted in names["--undefined-only"].items():
+            missing = {name for name in wanted if "@" not in name and not re.match("_?Py", name)} - inside
+            self.assertLessEqual(missing, older_glibc.OLDER, library)
+        self.assertLessEqual(older_glibc.SUPPLIED, inside)
+
+    def test_what_older_systems_lack_does_its_work(self):
+        (supplied,) = self.unpacked.glob("tessera.libs/libtessera_older-*")
+        said = output_of(sys.executable, "-c", f"""import ctypes
+library = ctypes.CDLL({str(supplied)!r})
+got = [ctypes.create_string_buffer(1000) for _ in range(2)]
+for each in got:
+    library.arc4random_buf(each, 999)
+print(got[0].raw != got[1].raw, len(set(got[0].raw)) > 200, got[0].raw[999])""")
+        self.assertEqual(said, "True True 0\n")
+        done = subprocess.run([sys.executable, "-c", f"import ctypes; ctypes.CDLL({str(supplied)!r})"
+                               "._ZSt21__glibcxx_assert_failPKciS0_S0_(b'a.h', 7, b'f()', b'i < n')"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (-6, "a.h:7: f(): Assertion 'i < n' failed.\n"))
+
+    def test_a_new_symbol_that_nobody_has_judged_is_refused(self):
+        source, library = self.folder / "new.c", self.folder / "new.so"
+        source.write_text("unsigned arc4random_uniform(unsigned); unsigned number(void) { return arc4random_uniform(7); }")
+        output_of("cc", "-shared", "-fPIC", source, "-o", library)
+        with self.assertRaisesRegex(ValueError, "^new.so needs arc4random_uniform, which glibc 2.34 and GCC 11 do not have$"):
+            older_glibc.lower(library)
 
     def test_it_is_small(self):
         self.assertLess(self.wheel.stat().st_size, BYTES_MAX)
 
     def test_the_rights_of_each_copied_library_are_inside(self):
         texts = {path.name: path.read_text(errors="replace") for path in self.unpacked.glob("*.dist-info/licenses/*")}
-        self.assertEqual(len(texts), len(list((self.unpacked / "tessera.libs").iterdir())))
+        self.assertEqual(len(texts), len(list((self.unpacked / "tessera.libs").iterdir())) - 1)  # one is the project's own
         for name, text in texts.items():
             self.assertRegex(text, "(?i)copyright", name)
 
@@ -98,7 +131,8 @@ class Wheel(unittest.TestCase):
         for path in self.libraries:
             needed = set(self_contained.dynamic(path, "NEEDED"))
             self.assertLessEqual(needed, SYSTEM | inside)
-            for place in ":".join(self_contained.dynamic(path, "RUNPATH") + self_contained.dynamic(path, "RPATH")).split(":"):
+            entries = self_contained.dynamic(path, "RUNPATH") + self_contained.dynamic(path, "RPATH")
+            for place in [place for entry in entries for place in entry.split(":")]:
                 self.assertIn(place, ("$ORIGIN", "$ORIGIN/../tessera.libs"))
         for copy in copies:  # no other library has such a name
             self.assertRegex(copy, r"-[0-9a-f]{8}\.so")

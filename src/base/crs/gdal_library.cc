@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include <string>
+
 #include "src/base/crs/crs.h"
 #include "src/base/crs/proj_files.h"
 #include "src/base/default_arithmetic.h"
@@ -10,12 +12,21 @@ namespace tessera {
 
 namespace {
 
+// The GDAL that Tessera was built with, else a later one (3.7 to 3.12): the interface for C stays the same, and wheels
+// run on systems with other versions. GDAL is never unloaded, because it keeps threads and caches.
+Result<void*> open_library() {
+  std::string missing;
+  for (const char* name : {TESSERA_GDAL_SONAME, "libgdal.so.33", "libgdal.so.34", "libgdal.so.35", "libgdal.so.36",
+                           "libgdal.so.37", "libgdal.so.38"}) {
+    if (void* handle = ::dlopen(name, RTLD_NOW | RTLD_LOCAL)) return handle;
+    if (missing.empty()) missing = ::dlerror();
+  }
+  return error(Errc::io, "coordinate systems need GDAL (Debian's package libgdal32): " + missing);
+}
+
 Result<GdalLibrary> load() {
   const DefaultArithmetic kept;  // 110 libraries are loaded with GDAL, and some of them may change the arithmetic
-  // GDAL is never unloaded, because it keeps threads and caches.
-  void* handle = ::dlopen(TESSERA_GDAL_SONAME, RTLD_NOW | RTLD_LOCAL);
-  if (handle == nullptr)
-    return error(Errc::io, std::string("coordinate systems need GDAL (Debian's package libgdal32): ") + ::dlerror());
+  BOOST_OUTCOME_TRY(handle, open_library());
   GdalLibrary gdal;
   const char* missing = nullptr;
   const auto find = [&]<class Function>(Function& function, const char* name) {
