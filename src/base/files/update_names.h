@@ -27,5 +27,7 @@ inline std::filesystem::path update_tile_file(const std::filesystem::path& folde
 inline std::filesystem::path update_result_folder(const std::filesystem::path& run) { return run / "result"; }
 // The same, when tiles have grown too large and are split.
 inline std::filesystem::path update_split_folder(const std::filesystem::path& run) { return run / "split"; }
+// The same with computed columns.
+inline std::filesystem::path update_columns_folder(const std::filesystem::path& run) { return run / "columns"; }
 
 }  // namespace tessera

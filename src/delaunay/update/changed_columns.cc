@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string>
 
+#include "src/base/files/folder.h"
 #include "src/base/files/names.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/on_threads.h"
@@ -34,9 +35,10 @@ Manifest draft_of(const Manifest& manifest, const std::map<TileId, TileEntry>& c
 }  // namespace
 
 ChangedColumns::ChangedColumns(const TileSource& old, fs::path scratch, const std::map<TileId, TileEntry>& changed,
-                               std::stop_token stop)
+                               fs::path to, std::stop_token stop)
     : old_(old),
       draft_(TileSource::draft(std::move(scratch), draft_of(old.manifest(), changed)).stopped_by(stop)),
+      to_(std::move(to)),
       stop_(std::move(stop)),
       tail_(tail_of(old.manifest())) {}
 
@@ -169,19 +171,18 @@ Status ChangedColumns::finish(TileEntry entry, const PassValues& values) {
   const fs::path final_name = tile_file(old_.folder(), entry);
   TileEntry plain = entry;
   plain.version = 1;
-  const fs::path from = tile_file(draft_.folder(), plain);
-  fs::path to = from;
-  to += "-columns";
+  const fs::path from = tile_file(draft_.folder(), plain), to = tile_file(to_, plain);
   const store::TileCopy copy{.tile = entry.tile, .from = from, .to = to, .final_name = final_name};
   BOOST_OUTCOME_TRY(written, entry.kind == TileKind::points ? store::copy_points_with_columns(copy, columns, stop_)
                                                             : store::copy_with_columns(copy, columns, stop_));
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
   finished_.push_back({entry, to});
-  return remove_file(from);
+  return draft_.find(entry.tile) ? Status(success()) : remove_file(from);
 }
 
 Result<std::vector<FinishedTile>> ChangedColumns::make(unsigned threads) {
+  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(to_)));
   BOOST_OUTCOME_TRYV(compute(threads));
   for (const TileId tile : neighbours_) {
     BOOST_OUTCOME_TRYV(look_at_neighbour(tile));

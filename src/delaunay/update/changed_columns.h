@@ -33,9 +33,10 @@ struct FinishedTile {
 class ChangedColumns {
  public:
   // `old`: the result with its columns. `scratch`: a folder like that of a result with the files of the changed tiles,
-  // without columns. `changed`: their entries.
+  // without columns. `changed`: their entries. `to`: a folder like that of a result of version 1, for the new files.
+  // The files in `scratch` stay as they are, so that all can be done again.
   ChangedColumns(const TileSource& old, std::filesystem::path scratch, const std::map<TileId, TileEntry>& changed,
-                 std::stop_token stop);
+                 std::filesystem::path to, std::stop_token stop);
   // Returns all tiles whose files are new. Errors: those of reading and of measures; io; interrupted.
   Result<std::vector<FinishedTile>> make(unsigned threads);
 
@@ -57,6 +58,7 @@ class ChangedColumns {
 
   const TileSource& old_;
   TileSource draft_;  // the changed tiles, without columns
+  std::filesystem::path to_;
   std::stop_token stop_;
   std::size_t tail_ = 0;  // bytes of a row of the columns of vertices
   std::vector<Made> made_;

@@ -58,6 +58,7 @@ std::string checksum_of_tiles(const Manifest& manifest) {
 // What a change is made of, once all is checked. A result that is itself changed is locked.
 struct Wanted {
   std::unique_ptr<NewVersion> version;  // null for a new folder, and in a dry run
+  TileSource whole;                     // with columns
   TileSource source;                    // without columns
   Partition partition;
   UpdatePlan plan;
@@ -170,11 +171,7 @@ Status check_target(const fs::path& result, const TileSource& source, const Resu
     BOOST_OUTCOME_TRY(there, is_there(options.to));
     if (there) return error(Errc::usage, options.to.string() + ": exists already");
   }
-  BOOST_OUTCOME_TRYV(check_changeable(result, manifest));
-  if (!options.to.empty() && !manifest.columns.empty())
-    return error(Errc::usage, result.string() + ": has the computed column '" + manifest.columns[0].name +
-                                  "', which only a change of the result itself makes again, not one into a new folder");
-  return success();
+  return check_changeable(result, manifest);
 }
 
 Result<Wanted> plan_change(const fs::path& result, const ResultChange& change, const UpdateOptions& options,
@@ -188,7 +185,9 @@ Result<Wanted> plan_change(const fs::path& result, const ResultChange& change, c
   if (!plan.common) return error(Errc::usage, result.string() + ": no points would be left");
   const bool anew =
       options.way == UpdateWay::anew || (options.way == UpdateWay::cheapest && most_tiles_begin(source, plan));
-  return Wanted{std::move(target.version), std::move(source), std::move(partition), std::move(plan), anew};
+  return Wanted{std::move(target.version), target.source.stopped_by(stop),
+                std::move(source),         std::move(partition),
+                std::move(plan),           anew};
 }
 
 // The stages open the result by its path, perhaps when there is a newer version.
@@ -248,19 +247,18 @@ Result<Divided> divide(const fs::path& run, const Wanted& wanted, UpdatedResult:
 }
 
 // Returns the manifest of the new result.
-Result<Manifest> store(const Wanted& wanted, const Divided& divided, const ResultChange& change,
+Result<Manifest> store(const fs::path& run, const Wanted& wanted, const Divided& divided, const ResultChange& change,
                        const UpdateOptions& options, const std::stop_token& stop) {
-  const fs::path& made = divided.tiles.folder;
-  UpdatedResult next(
-      {wanted.source, wanted.plan, divided.tiles.ends, divided.partition, divided.tile_points, change, options}, made,
-      stop);
+  UpdatedResult next({wanted.whole, wanted.source, wanted.plan, divided.tiles.ends, divided.partition,
+                      divided.tile_points, change, options},
+                     divided.tiles.folder, update_columns_folder(run), stop);
   if (wanted.version) {
     BOOST_OUTCOME_TRYV(next.commit(*wanted.version));
     return wanted.version->manifest();
   }
   BOOST_OUTCOME_TRYV(next.link_others());
   BOOST_OUTCOME_TRYV(next.finish());
-  BOOST_OUTCOME_TRYV(rename_file(made, options.to));
+  BOOST_OUTCOME_TRYV(rename_file(next.target(), options.to));
   return next.manifest();
 }
 
@@ -278,7 +276,7 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
   Updated updated = counted(ends, wanted);
   BOOST_OUTCOME_TRY(divided, divide(run.path(), wanted, std::move(ends), options, stop));
   updated.split = divided.split;
-  BOOST_OUTCOME_TRY(made, store(wanted, divided, change, options, stop));
+  BOOST_OUTCOME_TRY(made, store(run.path(), wanted, divided, change, options, stop));
   run.done();
   updated.vertices = made.vertices;
   updated.cells = made.cells;

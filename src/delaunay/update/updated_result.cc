@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "src/base/files/linked_file.h"
@@ -56,17 +57,21 @@ bool may_widen(const Box& box, const Bounds& old, const Bounds& known, int dimen
 }  // namespace
 
 Status UpdatedResult::link_others() {
-  manifest_ = source_.manifest();
+  manifest_ = whole_.manifest();
   manifest_.tiles.clear();
+  BOOST_OUTCOME_TRY(finished, finished_tiles());
+  std::set<TileId> written;
+  for (const auto& [entry, file] : finished) {
+    written.insert(entry.tile);
+    manifest_.tiles.push_back(entry);
+    manifest_.tiles.back().version = 1;
+  }
   for (std::size_t i = 0; i < source_.tiles(); ++i) {
     TileEntry entry = source_.entry(i);
-    if (is_other(entry.tile)) continue;
+    if (is_other(entry.tile) || written.contains(entry.tile)) continue;
     entry.version = 1;
-    BOOST_OUTCOME_TRYV(link_or_copy(source_.file(i), tile_file(folder_, entry)));
+    BOOST_OUTCOME_TRYV(link_or_copy(source_.file(i), tile_file(target(), entry)));
     manifest_.tiles.push_back(entry);
-  }
-  for (const auto& [tile, end] : ends_) {
-    if (end.entry) manifest_.tiles.push_back(*end.entry);
   }
   std::sort(manifest_.tiles.begin(), manifest_.tiles.end(),
             [](const TileEntry& a, const TileEntry& b) { return a.tile < b.tile; });
@@ -168,9 +173,12 @@ Status UpdatedResult::sort_rows(std::span<const DuplicatePair> duplicates,
 Status UpdatedResult::finish() {
   BOOST_OUTCOME_TRY(box, bounds());
   manifest_.bounds = box;
-  manifest_.version = 1;
+  // Columns come with the second version of a result at the earliest.
+  manifest_.version = manifest_.columns.empty() ? 1 : 2;
+  for (ResultColumn& column : manifest_.columns) column.version = manifest_.version;
   manifest_.previous_master_xxh3.reset();
   describe(manifest_);
+  describe_columns(manifest_);
   manifest_.vertices = manifest_.cells = 0;
   for (const TileEntry& entry : manifest_.tiles) {
     manifest_.vertices += entry.own_points;
@@ -179,20 +187,26 @@ Status UpdatedResult::finish() {
   const auto pairs = duplicates();
   std::optional<DuplicateRowSort> rows;
   BOOST_OUTCOME_TRYV(sort_rows(pairs, rows));
-  return finish_store(folder_, manifest_, pairs, rows ? &*rows : nullptr);
+  return finish_store(target(), manifest_, pairs, rows ? &*rows : nullptr);
 }
 
 // With the columns of the result, if it has any.
-Result<std::vector<FinishedTile>> UpdatedResult::finished_tiles(const NewVersion& version) const {
+Result<std::vector<FinishedTile>> UpdatedResult::finished_tiles() const {
   std::map<TileId, TileEntry> written;
   for (const auto& [tile, end] : ends_) {
     if (end.entry) written[tile] = *end.entry;
   }
-  if (!version.source().manifest().columns.empty())
-    return ChangedColumns(version.source(), folder_, written, stop_).make(options_.threads);
+  if (!whole_.manifest().columns.empty())
+    return ChangedColumns(whole_, folder_, written, columns_, stop_).make(options_.threads);
   std::vector<FinishedTile> finished;
   for (const auto& [tile, entry] : written) finished.push_back({entry, tile_file(folder_, entry)});
   return finished;
+}
+
+// Only a pass over all tiles tells the total. It stays when all tiles stay.
+void UpdatedResult::describe_columns(Manifest& manifest) const {
+  if (std::none_of(ends_.begin(), ends_.end(), [](const auto& tile) { return tile.second.changed; })) return;
+  for (ResultColumn& column : manifest.columns) column.total.reset();
 }
 
 Status UpdatedResult::commit(NewVersion& version) {
@@ -205,12 +219,12 @@ Status UpdatedResult::commit(NewVersion& version) {
     const auto end = ends_.find(source_.entry(i).tile);
     if (end != ends_.end() && end->second.changed && !end->second.entry) version.remove_tile(i);
   }
-  BOOST_OUTCOME_TRY(finished, finished_tiles(version));
+  BOOST_OUTCOME_TRY(finished, finished_tiles());
   for (const auto& [entry, file] : finished) {
     const auto index = source_.find(entry.tile);
     BOOST_OUTCOME_TRYV(index ? version.replace_tile(*index, entry, file) : version.add_tile(entry, file));
   }
-  for (ResultColumn& column : manifest.columns) column.total.reset();  // which only a pass over all tiles tells
+  describe_columns(manifest);
   if (duplicates_changed()) {
     const auto pairs = duplicates();
     std::optional<DuplicateRowSort> rows;

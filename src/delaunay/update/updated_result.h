@@ -27,7 +27,8 @@ class UpdatedResult {
   using Ends = std::map<TileId, TileEnd>;
   // What the change is made of.
   struct Made {
-    const TileSource& source;  // without columns
+    const TileSource& whole;   // the result with its columns
+    const TileSource& source;  // without
     const UpdatePlan& plan;
     const Ends& ends;  // what the tiles have become that the change has concerned
     const Partition& partition;
@@ -35,9 +36,11 @@ class UpdatedResult {
     const ResultChange& change;
     const UpdateOptions& options;
   };
-  // `folder`: has the files of the tiles that have changed. What `made` refers to outlives this object.
-  UpdatedResult(const Made& made, std::filesystem::path folder, std::stop_token stop)
-      : source_(made.source),
+  // `folder`: has the files of the tiles that have changed. `columns`: a folder for files with columns, if the result
+  // has any. What `made` refers to outlives this object.
+  UpdatedResult(const Made& made, std::filesystem::path folder, std::filesystem::path columns, std::stop_token stop)
+      : whole_(made.whole),
+        source_(made.source),
         plan_(made.plan),
         ends_(made.ends),
         partition_(made.partition),
@@ -45,9 +48,10 @@ class UpdatedResult {
         change_(made.change),
         options_(made.options),
         folder_(std::move(folder)),
+        columns_(std::move(columns)),
         stop_(std::move(stop)) {}
 
-  // Makes the folder a whole result: first links of the other tiles' files, then what belongs to no tile, the manifest
+  // Makes target() a whole result: first links of the other tiles' files, then what belongs to no tile, the manifest
   // last.
   Status link_others();
   Status finish();
@@ -55,6 +59,7 @@ class UpdatedResult {
   // system.
   Status commit(NewVersion& version);
   const Manifest& manifest() const { return manifest_; }
+  const std::filesystem::path& target() const { return whole_.manifest().columns.empty() ? folder_ : columns_; }
 
  private:
   // Whether the tile has another file now, or none.
@@ -65,8 +70,10 @@ class UpdatedResult {
   bool duplicates_changed() const;
   std::vector<DuplicatePair> duplicates() const;
   Status sort_rows(std::span<const DuplicatePair> duplicates, std::optional<DuplicateRowSort>& rows) const;
-  Result<std::vector<FinishedTile>> finished_tiles(const NewVersion& version) const;
+  Result<std::vector<FinishedTile>> finished_tiles() const;
+  void describe_columns(Manifest& manifest) const;
 
+  const TileSource& whole_;
   const TileSource& source_;
   const UpdatePlan& plan_;
   const Ends& ends_;
@@ -74,7 +81,7 @@ class UpdatedResult {
   std::uint64_t tile_points_;
   const ResultChange& change_;
   const UpdateOptions& options_;
-  std::filesystem::path folder_;
+  std::filesystem::path folder_, columns_;
   std::stop_token stop_;
   Manifest manifest_;
 };
