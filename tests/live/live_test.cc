@@ -345,6 +345,25 @@ TEST_F(LiveOne, MakesColumnsAgainWhereTilesHaveChanged) {
   EXPECT_EQ(model.compare(*live_->current()), "");
 }
 
+// A tile sees only a part of the hull. It must not wake those whose points it takes for neighbours of a far point.
+TEST_F(LiveOne, WakesFewTilesWhenAVertexOfTheHullGoes) {
+  LiveModel model({"uniform", 2, 200}, 4500, 9);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  for (int k = 0; k < 4; ++k) {
+    const auto& points = model.points();
+    const auto by_place = [](const auto& a, const auto& b) { return a.second < b.second; };
+    const auto [least, greatest] = std::minmax_element(points.begin(), points.end(), by_place);
+    const ResultChange change{.add = {}, .rows = {}, .remove = {k % 2 == 0 ? least->first : greatest->first}};
+    const auto applied = live_->apply(change);
+    ASSERT_TRUE(applied) << applied.error().where;
+    EXPECT_LT(applied.value().awake, 50u);
+    model.apply(change);
+    EXPECT_EQ(model.compare(*live_->current()), "");
+  }
+}
+
 TEST_F(LiveOne, CountsTheTilesOfOlderVersionsAsLongAsTheyAreRead) {
   LiveModel model({"uniform", 2, 1}, 300, 5);
   model.store(folder_);
