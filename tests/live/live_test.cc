@@ -6,13 +6,21 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <limits>
+#include <map>
+#include <memory>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "src/delaunay/update/update.h"
 #include "src/geometry/reference/clouds.h"
 #include "src/job/engine_steps.h"
+#include "src/result/measure/measure.h"
 #include "src/result/store/duplicate_rows.h"
 #include "src/result/tile_source.h"
 #include "src/result/verify/verify.h"
@@ -275,6 +283,113 @@ TEST_F(LiveOne, IsNotOpenedTwiceNorBeyondItsMemory) {
   const auto again = LiveResult::open(folder_, {});
   ASSERT_FALSE(again);
   EXPECT_NE(again.error().where.find("another process has this log"), std::string::npos) << again.error().where;
+}
+
+// The areas of all cells of a stored result on a lattice, and their sums around vertices: no value is rounded.
+void check_areas(const fs::path& folder) {
+  const auto opened = TileSource::open(folder);
+  ASSERT_TRUE(opened) << opened.error().where;
+  const TileSource& source = opened.value();
+  ASSERT_EQ(source.manifest().columns.size(), 2u);
+  const auto at = [](const auto& bytes, std::size_t offset) {
+    double value = 0;
+    std::memcpy(&value, &bytes[offset], sizeof value);
+    return value;
+  };
+  std::map<PointId, double> sums;
+  std::map<std::pair<PointId, TileId>, double> stored_sums;
+  for (std::size_t i = 0; i < source.tiles(); ++i) {
+    const auto tile = source.read(i, {.cells = true, .rows = true, .cell_columns = true});
+    ASSERT_TRUE(tile) << tile.error().where;
+    const TileMesh& mesh = tile.value().mesh;
+    const std::size_t width = row_bytes(source.manifest().schema);
+    for (std::size_t v = 0; v < mesh.ids.size(); ++v)
+      stored_sums[{mesh.ids[v], source.entry(i).tile}] = at(tile.value().rows, (v + 1) * width - sizeof(double));
+    for (std::size_t c = 0; c < mesh.cell_ghost.size(); ++c) {
+      const auto corner = [&](std::size_t k) { return static_cast<std::size_t>(mesh.cells[3 * c + k]); };
+      const Point p = mesh.points[corner(0)], q = mesh.points[corner(1)], r = mesh.points[corner(2)];
+      const double area = std::abs((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)) / 2;
+      EXPECT_EQ(at(tile.value().cell_columns[0], c * sizeof(double)), area);
+      for (std::size_t k = 0; k < 3 && mesh.cell_ghost[c] == 0; ++k) sums[mesh.ids[corner(k)]] += area;
+    }
+  }
+  for (const auto& [of, sum] : stored_sums) EXPECT_EQ(sum, sums[of.first]) << "of point " << to_string(of.first);
+}
+
+TEST_F(LiveOne, MakesColumnsAgainWhereTilesHaveChanged) {
+  LiveModel model({"lattice", 2, 9}, 120, 3);
+  model.store(folder_);
+  const auto measured = measure(folder_, {.volume = true}, {});
+  ASSERT_TRUE(measured) << measured.error().where;
+  check_areas(folder_);
+  open(2);
+  ASSERT_NE(live_, nullptr);
+  for (int k = 0; k < 12; ++k) {
+    step(model);
+    if (k % 3 != 2) continue;
+    const fs::path copy = scratch_.path() / ("copy" + std::to_string(k));
+    const auto written = live_->write_to(copy);
+    ASSERT_TRUE(written) << written.error().where;
+    check_areas(copy);
+    const Status made = live_->checkpoint();
+    ASSERT_TRUE(made) << made.error().where;
+    check_areas(folder_);
+    for (const fs::path& result : {copy, folder_}) {
+      const auto proof = verify(result, {}, {});
+      EXPECT_TRUE(proof) << proof.error().where;
+    }
+    if (HasFailure()) return;
+  }
+  open();
+  ASSERT_NE(live_, nullptr);
+  EXPECT_EQ(model.compare(*live_->current()), "");
+}
+
+// A tile sees only a part of the hull. It must not wake those whose points it takes for neighbours of a far point.
+TEST_F(LiveOne, WakesFewTilesWhenAVertexOfTheHullGoes) {
+  LiveModel model({"uniform", 2, 200}, 4500, 9);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  for (int k = 0; k < 4; ++k) {
+    const auto& points = model.points();
+    const auto by_place = [](const auto& a, const auto& b) { return a.second < b.second; };
+    const auto [least, greatest] = std::minmax_element(points.begin(), points.end(), by_place);
+    const ResultChange change{.add = {}, .rows = {}, .remove = {k % 2 == 0 ? least->first : greatest->first}};
+    const auto applied = live_->apply(change);
+    ASSERT_TRUE(applied) << applied.error().where;
+    EXPECT_LT(applied.value().awake, 50u);
+    model.apply(change);
+    EXPECT_EQ(model.compare(*live_->current()), "");
+  }
+}
+
+TEST_F(LiveOne, CountsTheTilesOfOlderVersionsAsLongAsTheyAreRead) {
+  LiveModel model({"uniform", 2, 1}, 300, 5);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  const std::size_t one = live_->current()->memory();
+  live_.reset();
+  auto opened = LiveResult::open(folder_, {.memory_bytes = 4 * one});
+  ASSERT_TRUE(opened) << opened.error().where;
+  live_ = std::move(opened).value();
+  const auto add = [&](int k) { return live_->apply({.add = {{0.5, 0.25 + 0.001 * k, 0}}}); };
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(add(k));  // nobody has the older versions
+  std::vector<std::shared_ptr<const LiveVersion>> held{live_->current()};
+  std::string refused;
+  for (int k = 20; k < 40 && refused.empty(); ++k) {
+    const auto applied = add(k);
+    if (applied) {
+      held.push_back(live_->current());
+    } else {
+      refused = applied.error().where;
+    }
+  }
+  EXPECT_NE(refused.find("older versions that are still read"), std::string::npos) << refused;
+  EXPECT_LE(held.size(), 5u);
+  held.clear();
+  EXPECT_TRUE(add(41));
 }
 
 // A reader asks the stars of neighbours: all of them must have the cells of the first one.

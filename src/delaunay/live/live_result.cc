@@ -42,10 +42,6 @@ void put_in_hilbert_order(std::vector<AnyPoint>& points, int dimension) {
 }
 
 Status check_kept(const fs::path& out, const Manifest& manifest) {
-  if (!manifest.columns.empty())
-    return error(Errc::usage, out.string() + ": has the computed column '" + manifest.columns[0].name +
-                                  "', which is not made again while a result is kept in memory; keep the result as it "
-                                  "was before this column was computed");
   if (manifest.keep != DuplicatePolicy::first)
     return error(Errc::usage, out.string() + ": keeps the " + std::string(name_of(manifest.keep)) +
                                   " of equal points, and a result that is kept in memory keeps the first");
@@ -57,7 +53,8 @@ std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'
 }  // namespace
 
 LiveResult::LiveResult(TileSource source, Partition partition, const LiveOptions& options)
-    : source_(std::move(source)),
+    : whole_(std::move(source)),
+      source_(whole_.without_columns()),
       partition_(std::make_shared<const Partition>(std::move(partition))),
       around_(known_from_start(*partition_)),
       options_(options),
@@ -281,6 +278,23 @@ std::shared_ptr<const LiveVersion> LiveResult::next(const LiveVersion& before, c
                                              before.ids().with(planned.entries));
 }
 
+// The bytes of `next` and of the tiles of older versions that readers have; those that versions share count once. The
+// version before `next` counts from the following batch on: its readers are mostly just about to take the new one.
+std::size_t LiveResult::memory_with(const LiveVersion& next) {
+  std::size_t bytes = next.memory();
+  std::set<const LiveTile*> counted;
+  for (const auto& tile : next.tiles()) counted.insert(tile.get());
+  std::erase_if(older_, [](const auto& version) { return version.expired(); });
+  for (const auto& older : older_) {
+    const auto version = older.lock();
+    if (!version) continue;
+    for (const auto& tile : version->tiles()) {
+      if (tile && counted.insert(tile.get()).second) bytes += tile->memory();
+    }
+  }
+  return bytes;
+}
+
 // What apply_logged() changes besides the version.
 void LiveResult::note(const Planned& planned, const ResultChange& change, const LiveApplied& applied) {
   for (const PointId id : planned.duplicates_removed) duplicates_.remove(id);
@@ -335,9 +349,10 @@ Result<LiveApplied> LiveResult::apply_logged(const ResultChange& change, bool lo
   std::sort(applied.duplicates.begin(), applied.duplicates.end());
   std::set<TileId> changed;
   const auto version = next(*before, planned, exchange, changed);
-  if (version->memory() > options_.memory_bytes)
+  if (memory_with(*version) > options_.memory_bytes)
     return error(Errc::memory, source_.folder().string() + ": its tiles would need more than " +
-                                   megabytes(options_.memory_bytes) + " in memory");
+                                   megabytes(options_.memory_bytes) +
+                                   " in memory, with those of older versions that are still read");
   applied.version = version->number();
   if (log) {
     const Status written = log_->append(next_id_, change);
@@ -348,6 +363,7 @@ Result<LiveApplied> LiveResult::apply_logged(const ResultChange& change, bool lo
   }
   note(planned, change, applied);
   changed_.merge(changed);
+  older_.push_back(before);
   current_ = version;
   return applied;
 }

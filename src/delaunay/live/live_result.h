@@ -28,6 +28,7 @@
 #include "src/delaunay/live/live_exchange.h"
 #include "src/delaunay/live/live_log.h"
 #include "src/delaunay/live/live_version.h"
+#include "src/delaunay/update/changed_columns.h"
 #include "src/delaunay/update/update.h"
 #include "src/result/store/duplicate_rows.h"
 #include "src/result/tile_source.h"
@@ -36,7 +37,8 @@ namespace tessera {
 
 struct LiveOptions {
   unsigned threads = 1;
-  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  // for the newest version of all tiles
+  std::uint64_t memory_bytes = std::uint64_t{4}
+                               << 30;  // for all tiles, of the newest version and of those that readers have
 };
 
 // What a batch has done.
@@ -62,7 +64,7 @@ struct LiveState {
 class LiveResult {
  public:
   // Reads all tiles of the newest version into memory, and repeats what the log has. Errors: usage when the result
-  // cannot be changed, has computed columns or keeps another point than the first of equal ones, or when another
+  // cannot be changed, has densities or keeps another point than the first of equal ones, or when another
   // process has the log; memory when the tiles need more than the options allow; corrupt; io; interrupted.
   static Result<std::unique_ptr<LiveResult>> open(const std::filesystem::path& out, const LiveOptions& options,
                                                   const std::stop_token& stop = {});
@@ -77,7 +79,7 @@ class LiveResult {
 
   // The newest version. Thread-safe, also beside apply().
   std::shared_ptr<const LiveVersion> current() const { return current_.load(); }
-  TileSource source() const;  // what is stored
+  TileSource source() const;  // what is stored, without columns
   std::uint64_t log_bytes() const;
   LiveState state() const;  // thread-safe; never waits for a batch
 
@@ -110,10 +112,14 @@ class LiveResult {
   Status plan_removal(const LiveVersion& before, const std::vector<PointId>& ids, Planned& planned) const;
   Result<LiveApplied> apply_logged(const ResultChange& change, bool log);
   Status check_left(const LiveVersion& before, LiveExchange& exchange) const;
+  std::size_t memory_with(const LiveVersion& next);
   std::shared_ptr<const LiveVersion> next(const LiveVersion& before, const Planned& planned, LiveExchange& exchange,
                                           std::set<TileId>& changed) const;
   void note(const Planned& planned, const ResultChange& change, const LiveApplied& applied);
   void describe(Manifest& manifest, const LiveVersion& version) const;
+  Result<std::vector<FinishedTile>> finish_tiles(const std::filesystem::path& folder,
+                                                 const std::vector<TileEntry>& written,
+                                                 const std::filesystem::path& columns) const;
   std::optional<Digest> digest_with(const std::vector<TileEntry>& written) const;
   Status begin_again();
   Result<std::optional<DuplicateRowSort>> rows_of_duplicates(const std::filesystem::path& scratch) const;
@@ -123,12 +129,14 @@ class LiveResult {
 
   static constexpr const char* until_opened_again = "nothing is changed any more until the result is opened again";
 
-  TileSource source_;
+  TileSource whole_;   // what is stored
+  TileSource source_;  // without columns
   std::shared_ptr<const Partition> partition_;
   KnownFromStart around_;
   LiveOptions options_;
   mutable std::mutex writer_;  // all that follows, but for current_
   std::atomic<std::shared_ptr<const LiveVersion>> current_;
+  std::vector<std::weak_ptr<const LiveVersion>> older_;  // than current_; readers may have them
   LiveDuplicates duplicates_;
   std::uint64_t next_id_ = 0;
   std::uint64_t filtered_ = 0;                      // points that were removed since the stored version

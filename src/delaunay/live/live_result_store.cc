@@ -9,6 +9,7 @@
 #include "src/base/files/linked_file.h"
 #include "src/base/files/temporary.h"
 #include "src/base/files/there.h"
+#include "src/base/files/update_names.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/on_threads.h"
 #include "src/delaunay/live/live_result.h"
@@ -34,6 +35,21 @@ std::optional<Digest> LiveResult::digest_with(const std::vector<TileEntry>& writ
   return known ? std::optional(sum) : std::nullopt;
 }
 
+// The files that were written to `folder`, with columns if the result has any. These come in a folder of their own, and
+// unchanged tiles with values of vertices of changed ones, too.
+Result<std::vector<FinishedTile>> LiveResult::finish_tiles(const fs::path& folder,
+                                                           const std::vector<TileEntry>& written,
+                                                           const fs::path& columns) const {
+  std::map<TileId, TileEntry> entries;
+  std::vector<FinishedTile> plain;
+  for (const TileEntry& entry : written) {
+    entries[entry.tile] = entry;
+    plain.push_back({entry, tile_file(folder, entry)});
+  }
+  if (whole_.manifest().columns.empty()) return plain;
+  return ChangedColumns(whole_, folder, entries, columns, {}).make(options_.threads);
+}
+
 Status LiveResult::checkpoint() {
   const std::lock_guard lock(writer_);
   if (broken_) return *broken_;
@@ -49,8 +65,8 @@ Status LiveResult::checkpoint() {
     const TileId tile = source_.entry(i).tile;
     if (changed_.contains(tile) && !version->tiles()[tile.value]) next->remove_tile(i);
   }
-  for (const TileEntry& entry : written) {
-    const fs::path file = tile_file(next->scratch(), entry);
+  BOOST_OUTCOME_TRY(finished, finish_tiles(next->scratch(), written, update_columns_folder(next->scratch())));
+  for (const auto& [entry, file] : finished) {
     const auto index = source_.find(entry.tile);
     BOOST_OUTCOME_TRYV(index ? next->replace_tile(*index, entry, file) : next->add_tile(entry, file));
   }
@@ -91,7 +107,8 @@ Result<std::optional<DuplicateRowSort>> LiveResult::rows_of_duplicates(const fs:
 // After the newest version was stored: with a log of its own, which has nothing yet.
 Status LiveResult::begin_again() {
   const fs::path& out = source_.folder();
-  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRY(whole, TileSource::open(out));
+  const TileSource source = whole.without_columns();  // the log has no columns
   log_.reset();
   const auto begin = [&](std::uint64_t) { stored_number_ = current()->number(); };
   BOOST_OUTCOME_TRY(log,
@@ -99,7 +116,8 @@ Status LiveResult::begin_again() {
                       return error(Errc::corrupt, out.string() + ": the log of the new version is not empty");
                     }));
   log_.emplace(std::move(log));
-  source_ = std::move(source);
+  whole_ = std::move(whole);
+  source_ = source;
   changed_.clear();
   // Without rows of all duplicates none are stored, and the result opened again must refuse what this one refuses.
   for (const DuplicatePair& pair : duplicates_have_rows_ ? duplicates_.pairs() : std::vector<DuplicatePair>{}) {
@@ -117,25 +135,34 @@ Result<Manifest> LiveResult::write_to(const fs::path& to) const {
   BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(to)));
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));
   const auto version = current();
-  Manifest manifest = source_.manifest();
-  manifest.version = 1;
+  // Columns come with the second version of a result at the earliest.
+  Manifest manifest = whole_.manifest();
+  manifest.version = manifest.columns.empty() ? 1 : 2;
+  for (ResultColumn& column : manifest.columns) column.version = manifest.version;
   manifest.previous_master_xxh3.reset();
   LiveWriter writer(source_, *version, rows_);
   BOOST_OUTCOME_TRY(written, writer.write(changed_, folder.path(), options_.threads));
+  const fs::path made = manifest.columns.empty() ? folder.path() : update_columns_folder(folder.path());
+  BOOST_OUTCOME_TRY(finished, finish_tiles(folder.path(), written, made));
   manifest.tiles.clear();
+  std::set<TileId> other = changed_;
+  for (const auto& [entry, file] : finished) {
+    other.insert(entry.tile);
+    manifest.tiles.push_back(entry);
+    manifest.tiles.back().version = 1;
+  }
   for (std::size_t i = 0; i < source_.tiles(); ++i) {
     TileEntry entry = source_.entry(i);
-    if (changed_.contains(entry.tile)) continue;
+    if (other.contains(entry.tile)) continue;
     entry.version = 1;
-    BOOST_OUTCOME_TRYV(link_or_copy(source_.file(i), tile_file(folder.path(), entry)));
+    BOOST_OUTCOME_TRYV(link_or_copy(source_.file(i), tile_file(made, entry)));
     manifest.tiles.push_back(entry);
   }
-  manifest.tiles.insert(manifest.tiles.end(), written.begin(), written.end());
   describe(manifest, *version);
   BOOST_OUTCOME_TRY(rows, rows_of_duplicates(folder.path()));
-  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates_.pairs(), rows ? &*rows : nullptr));
-  BOOST_OUTCOME_TRYV(rename_file(folder.path(), to));
-  folder.keep();
+  BOOST_OUTCOME_TRYV(finish_store(made, manifest, duplicates_.pairs(), rows ? &*rows : nullptr));
+  BOOST_OUTCOME_TRYV(rename_file(made, to));
+  if (made == folder.path()) folder.keep();
   return manifest;
 }
 
@@ -157,7 +184,9 @@ void LiveResult::describe(Manifest& manifest, const LiveVersion& version) const 
   }
   manifest.seconds.clear();
   manifest.figures.clear();
-  if (!changed_.empty()) manifest.other_heights.reset();  // results do not keep the heights of duplicates
+  if (changed_.empty()) return;
+  manifest.other_heights.reset();                                      // results do not keep the heights of duplicates
+  for (ResultColumn& column : manifest.columns) column.total.reset();  // only a pass over all tiles tells it
 }
 
 }  // namespace tessera
