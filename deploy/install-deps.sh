@@ -11,6 +11,7 @@ build=(
   libcaf-dev                                # actors
   libboost-dev                              # Outcome, Asio
   libprotobuf-dev protobuf-compiler
+  libcurl4-openssl-dev                      # objects on other machines
   zlib1g-dev libzstd-dev libxxhash-dev libexpat1-dev  # result files, compressed input, E57
   libmeshoptimizer-dev                      # surfaces for viewers
   libgdal-dev libproj-dev                   # GeoPackage, coordinate systems
