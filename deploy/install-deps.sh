@@ -26,6 +26,7 @@ test=(
   python3-pandas python3-joblib             # what its users bring along
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
+  nginx-light                               # serves objects
   systemd python3-yaml                      # judge the unit, read the manifest
   iproute2 iptables                         # networks of a test's own, that lose packets
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes

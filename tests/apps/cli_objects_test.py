@@ -246,6 +246,21 @@ class Objects(CliTest):
         self.assertEqual(self.info(server.url("moved"))["points"], self.info(COPC)["points"])
         self.assertEqual([request.name for request in server.requests].count("moved"), 1)
 
+    def test_https_trusts_certificates_of_the_system_or_of_a_file(self):
+        certificate = self.folder / "both.pem"
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "1", "-subj", "/CN=test",
+                        "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", self.folder / "key.pem", "-out", self.folder / "cert.pem"], check=True, capture_output=True)
+        certificate.write_bytes((self.folder / "key.pem").read_bytes() + (self.folder / "cert.pem").read_bytes())
+        server, plain = self.serve(COPC, certificate=certificate), self.serve(COPC)
+        trusting = {"CURL_CA_BUNDLE": str(self.folder / "cert.pem")}
+        self.ok("info", server.url(COPC.name), env=trusting)
+        done = self.refused(IO, "info", server.url(COPC.name), says=(server.url(COPC.name), "certificate"))
+        self.assertNotIn("tries", done.stderr)
+        plain.fault = lambda request, answer: Answer(302, {"Location": server.url(COPC.name)}, b"")
+        self.ok("info", plain.url(COPC.name), env=trusting)
+        plain.fault, server.fault = lambda request, answer: answer, lambda request, answer: Answer(302, {"Location": plain.url(COPC.name)}, b"")
+        self.refused(IO, "info", server.url(COPC.name), env=trusting, says=("from https:// to http://", "not encrypted"))
+
     def test_names_that_cannot_be_read(self):
         for name, says in (("ftp://host/a.las", "not by ftp://"), ("https://me:secret@host/a.las", "user name"), ("https://", "no address"),
                            ("http://127.0.0.1:99999/a.las", "no address")):

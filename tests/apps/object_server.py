@@ -5,6 +5,7 @@ import hashlib
 import http.server
 import re
 import socket
+import ssl
 import threading
 import time
 import urllib.parse
@@ -30,9 +31,9 @@ class Request:
 
 class ObjectServer:
     """Objects by name in `objects`. `fault(request, answer)` may change an answer; None closes the connection instead.
-    `delay_s` is how far away the server is."""
+    `delay_s` is how far away the server is. `certificate`: a file with a certificate and its key, for https."""
 
-    def __init__(self, objects=None, delay_s=0):
+    def __init__(self, objects=None, delay_s=0, certificate=None):
         self.objects, self.delay_s = dict(objects or {}), delay_s
         self.requests, self.most_at_once, self.fault = [], 0, lambda request, answer: answer
         self.lock, self.under_way = threading.Lock(), 0
@@ -56,7 +57,11 @@ class ObjectServer:
                 pass
 
         self.server = Server(("127.0.0.1", 0), Handler)
-        self.address = f"http://127.0.0.1:{self.server.server_address[1]}"
+        if certificate:
+            context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+            context.load_cert_chain(certificate)
+            self.server.socket = context.wrap_socket(self.server.socket, server_side=True, do_handshake_on_connect=False)
+        self.address = f"{'https' if certificate else 'http'}://127.0.0.1:{self.server.server_address[1]}"
         self.thread = threading.Thread(target=self.server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
 
     def __enter__(self):

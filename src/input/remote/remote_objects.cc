@@ -32,7 +32,8 @@ class RemoteObjects : public Objects {
  public:
   explicit RemoteObjects(RemoteOptions options)
       : pages_(std::make_shared<KeptPages>(std::move(options.folder), options.kept_bytes_max)),
-        s3_options_(std::move(options.s3)) {}
+        s3_options_(std::move(options.s3)),
+        ca_file_(std::move(options.ca_file)) {}
 
   Result<std::shared_ptr<const ByteSource>> open(const std::string& name, std::stop_token stop) override {
     BOOST_OUTCOME_TRY(place, place_of(name));
@@ -100,7 +101,7 @@ class RemoteObjects : public Objects {
 
   std::shared_ptr<Transfers> transfers() {
     const std::lock_guard lock(mutex_);
-    if (!transfers_) transfers_ = std::make_shared<Transfers>(Patience{});
+    if (!transfers_) transfers_ = std::make_shared<Transfers>(Patience{}, ca_file_);
     return transfers_;
   }
 
@@ -113,6 +114,7 @@ class RemoteObjects : public Objects {
 
   std::shared_ptr<KeptPages> pages_;
   S3Options s3_options_;
+  std::string ca_file_;
   std::optional<Result<S3Access>> s3_access_;
   std::mutex mutex_;
   std::shared_ptr<Transfers> transfers_;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "src/input/bytes/objects.h"
 #include "src/input/remote/s3.h"
@@ -12,7 +13,8 @@ namespace tessera::remote {
 
 struct RemoteOptions {
   S3Options s3 = {};
-  std::filesystem::path folder = {};                      // where bytes are kept; empty: the system's temporary folder
+  std::string ca_file = {};           // certificates (PEM) that https trusts; empty: those of the system
+  std::filesystem::path folder = {};  // where bytes are kept; empty: the system's temporary folder
   std::uint64_t kept_bytes_max = std::uint64_t{1} << 30;  // of all objects; at least 64 MiB
 };
 

@@ -113,7 +113,7 @@ void sign(CURL* handle, const HttpRequest& request) {
 }  // namespace
 
 struct Transfers::Impl {
-  explicit Impl(const Patience& how_long) : patience(how_long) {}
+  Impl(const Patience& how_long, std::string trusted) : patience(how_long), ca_file(std::move(trusted)) {}
 
   void begin(const Transfer& transfer);
   void end(std::size_t index, CURLcode code);
@@ -124,6 +124,7 @@ struct Transfers::Impl {
   void finish_arrived();
 
   Patience patience;
+  std::string ca_file;
   CURLM* multi = nullptr;
   std::mutex mutex;
   std::condition_variable_any done;
@@ -158,6 +159,7 @@ void Transfers::Impl::begin(const Transfer& transfer) {
   curl_easy_setopt(handle, CURLOPT_USERAGENT, "tessera");
   if (!request.range.empty()) curl_easy_setopt(handle, CURLOPT_RANGE, request.range.c_str());
   if (request.signing) sign(handle, request);
+  if (!ca_file.empty()) curl_easy_setopt(handle, CURLOPT_CAINFO, ca_file.c_str());
   curl_easy_setopt(handle, CURLOPT_HTTPHEADER, arriving->headers);
   curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS, patience.connect_ms);
   curl_easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, patience.slow_bytes);
@@ -260,7 +262,8 @@ void Transfers::Impl::loop() {
   }
 }
 
-Transfers::Transfers(const Patience& patience) : impl_(std::make_unique<Impl>(patience)) {
+Transfers::Transfers(const Patience& patience, std::string ca_file)
+    : impl_(std::make_unique<Impl>(patience, std::move(ca_file))) {
   static const CURLcode ready = curl_global_init(CURL_GLOBAL_DEFAULT);
   impl_->multi = ready == CURLE_OK ? curl_multi_init() : nullptr;
   if (impl_->multi == nullptr) throw std::bad_alloc();

@@ -50,7 +50,8 @@ struct HttpReply {
 // Thread-safe. One thread of this object moves all bytes.
 class Transfers {
  public:
-  explicit Transfers(const Patience& patience);
+  // `ca_file`: certificates (PEM) that https trusts; empty: those of the system.
+  explicit Transfers(const Patience& patience, std::string ca_file = {});
   Transfers(const Transfers&) = delete;
   Transfers& operator=(const Transfers&) = delete;
   ~Transfers();  // REQUIRES: no call of run() is under way
