@@ -12,6 +12,7 @@ build=(
   libcaf-dev                                # actors
   libboost-dev                              # Outcome, Asio
   libprotobuf-dev protobuf-compiler
+  libcurl4-openssl-dev                      # objects on other machines
   zlib1g-dev libzstd-dev libxxhash-dev libexpat1-dev  # result files, compressed input, E57
   libmeshoptimizer-dev                      # surfaces for viewers
   libgdal-dev libproj-dev                   # GeoPackage, coordinate systems
@@ -28,6 +29,7 @@ test=(
   mypy debootstrap                          # checks its types; makes systems in which the wheel is tried
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
+  nginx-light                               # serves objects
   systemd python3-yaml                      # judge the unit, read the manifest
   iproute2 iptables                         # networks of a test's own, that lose packets
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes

@@ -10,7 +10,7 @@ namespace tessera {
 // A node of an octree over the points: consecutive points of the file.
 struct FilePart {
   std::uint64_t first = 0, points = 0;  // the number of its first point in the file
-  std::uint64_t bytes = 0;              // the stored bytes, perhaps compressed
+  std::uint64_t begin = 0, bytes = 0;   // the stored bytes: where they are in the file (COPC), and their number
   Bounds bounds;                        // a closed box of all its points, as the file states it
 };
 

@@ -6,6 +6,7 @@
 #include "src/base/crs/crs.h"
 #include "src/base/option.h"
 #include "src/base/phases.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/bytes/spool.h"
 #include "src/input/cloud/cloud_sample.h"
 #include "src/input/cloud/inputs.h"
@@ -57,16 +58,38 @@ Json to_json(const FileInfo& file) {
 struct Forecast {
   std::uint64_t limit = 0;
   std::uint32_t tiles = 1;
+  bool from_sample = true;  // else from what the headers say
   Bounds sampled;
   Estimate cost;
 };
 
-Result<Forecast> forecast(const JobOptions& options, const Cloud& cloud, std::uint64_t points) {
+// A sample of objects on other machines costs a good part of their bytes, where their headers cost some kilobytes.
+bool has_objects(const Cloud& cloud) {
+  return std::any_of(cloud.files().begin(), cloud.files().end(),
+                     [](const FileInfo& file) { return names_object(file.path.string()); });
+}
+
+void forecast_by_headers(const JobOptions& options, const Cloud& cloud, std::uint64_t points, Forecast& made) {
+  made.from_sample = false;
+  for (const auto& file : cloud.files())
+    if (file.bounds) made.sampled.add(*file.bounds);
+  const std::uint64_t tiles = options.tiles > 0 ? options.tiles : points / std::max<std::uint64_t>(1, made.limit) + 1;
+  made.tiles = static_cast<std::uint32_t>(std::min<std::uint64_t>(tiles, Partition::tiles_max));
+}
+
+// `read`: all points were read, so reading some of them again costs nothing.
+Result<Forecast> forecast(const JobOptions& options, const Cloud& cloud, std::uint64_t points, bool read) {
   constexpr std::size_t sample_wanted = 100'000;
   Forecast made;
   BOOST_OUTCOME_TRY(limit, tile_limit(options, cloud));
   made.limit = limit;
-  BOOST_OUTCOME_TRY(sample, sample_cloud(cloud, sample_wanted));
+  std::vector<Point> sample;
+  if (has_objects(cloud) && !read) {
+    forecast_by_headers(options, cloud, points, made);
+  } else {
+    BOOST_OUTCOME_TRY(taken, sample_cloud(cloud, sample_wanted));
+    sample = std::move(taken);
+  }
   for (const auto& p : sample) made.sampled.add(p);
   const int dimension = options.cloud.dimension;
   if (!sample.empty()) {
@@ -102,7 +125,7 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
   const auto of_count = [&](const char* key) { return counted.at(key).get<std::uint64_t>(); };
   const auto points = counted.is_null() ? expected_points(cloud.files()) : of_count("points");
   const auto kept = counted.is_null() ? points : points - of_count("invalid") - of_count("filtered");
-  BOOST_OUTCOME_TRY(expected, forecast(options, cloud, kept));
+  BOOST_OUTCOME_TRY(expected, forecast(options, cloud, kept, !counted.is_null()));
   const auto& cost = expected.cost;
   Json files = Json::array();
   for (const auto& file : cloud.files()) files.push_back(to_json(file));
@@ -111,6 +134,7 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
   return written({{"files", files},
                   {"points", points},
                   {"statistics", counted},
+                  {"sampled", expected.from_sample},
                   {"sampled_bounds", to_json(expected.sampled)},
                   {"crs", cloud.crs()},
                   {"crs_name", crs_title(cloud.crs())},

@@ -193,7 +193,8 @@ std::string inputs_text(const Json& described) {
     phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_bytes(bytes.get<std::uint64_t>());
   Lines lines(12);
   lines.add("points", grouped(count_of(described, "points")));
-  lines.add("box", box_text_or(described.at("sampled_bounds"), "unknown") + " (of a sample)");
+  lines.add("box", box_text_or(described.at("sampled_bounds"), "unknown") +
+                       (described.at("sampled").get<bool>() ? " (of a sample)" : " (as the headers say)"));
   lines.add("tiles", std::to_string(count_of(described, "tiles")) + " (" + text_of(described, "partition") +
                          ", at most " + grouped(count_of(described, "max_points_per_tile")) + " points each)");
   lines.add("cells", human_count(count_of(cost, "cells")));

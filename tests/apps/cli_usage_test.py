@@ -146,7 +146,7 @@ class Sources(CliTest):
 
 
 KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class", "columns", "keep", "crs", "returns", "without",
-                              "attributes", "z", "skip-invalid", "neighbors", "recursive", "kernel", "quiet", "verbose", "json",
+                              "attributes", "z", "skip-invalid", "neighbors", "recursive", "endpoint", "profile", "anonymous", "requester-pays", "kernel", "quiet", "verbose", "json",
                               "against-cgal", "scratch", "stats", "format", "index", "max-edge", "seed", "server", "token-file", "token", "ca",
                               "patience", "status", "limit", "max-points", "max-seconds", "partial", "scan", "method", "weights", "res", "type", "interval", "base", "smooth", "min-length", "index-every", "digits", "hillshade", "azimuth", "altitude"]}
 

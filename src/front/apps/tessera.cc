@@ -27,6 +27,9 @@
 #include "src/front/apps/say.h"
 #include "src/front/apps/settings.h"
 #include "src/front/apps/words.h"
+#include "src/input/bytes/objects.h"
+#include "src/input/remote/remote_objects.h"
+#include "src/input/remote/url.h"
 
 namespace tessera::apps {
 namespace {
@@ -46,6 +49,21 @@ int fail(const Error& error, bool json) {
   return static_cast<int>(error.code);
 }
 
+// How objects are read. Commands without these options go by the environment and ~/.aws alone.
+Result<remote::RemoteOptions> remote_options(const Settings& settings) {
+  remote::RemoteOptions options;
+  for (const char* name : {"SSL_CERT_FILE", "CURL_CA_BUNDLE"})  // as the command curl reads them; the last one counts
+    if (const char* file = std::getenv(name)) options.ca_file = file;
+  if (!settings.knows("endpoint")) return options;
+  options.s3.endpoint = settings.text("endpoint").value_or("");
+  options.s3.profile = settings.text("profile").value_or("");
+  BOOST_OUTCOME_TRY(anonymous, settings.on("anonymous"));
+  options.s3.anonymous = anonymous;
+  BOOST_OUTCOME_TRY(pays, settings.on("requester-pays"));
+  options.s3.requester_pays = pays;
+  return options;
+}
+
 Status run(const Command& command, const std::vector<Command>& commands, const std::vector<std::string>& command_line) {
   command.settings->load_environment([](const char* name) { return std::getenv(name); });
   const auto file = command.settings->text("config");
@@ -54,6 +72,8 @@ Status run(const Command& command, const std::vector<Command>& commands, const s
     for (const auto& each : commands) all.push_back(each.settings.get());
     BOOST_OUTCOME_TRYV(load_settings_file(*file, all));
   }
+  BOOST_OUTCOME_TRY(remote, remote_options(*command.settings));
+  set_objects(remote::remote_objects(std::move(remote)));
   BOOST_OUTCOME_TRYV(command.run(command_line));
   // All output must have been written. Otherwise a pipeline would take half an answer for a whole one.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
@@ -68,6 +88,14 @@ void occupy_standard_streams() {
   int file = 0;
   while (file >= 0 && file <= STDERR_FILENO) file = ::open("/dev/null", O_RDONLY);
   if (file > STDERR_FILENO) ::close(file);
+}
+
+// The command line for manifests and reports: addresses without signatures, which are behind '?'.
+std::vector<std::string> line_to_keep(int argc, char** argv) {
+  std::vector<std::string> line(argv, argv + argc);
+  for (auto& word : line)
+    if (names_object(word)) word = remote::without_secrets(word);
+  return line;
 }
 
 int tessera_main(int argc, char** argv) {
@@ -98,7 +126,7 @@ int tessera_main(int argc, char** argv) {
   }
   for (const auto& command : commands) {
     if (!command.app->parsed()) continue;
-    const auto status = run(command, commands, std::vector<std::string>(argv, argv + argc));
+    const auto status = run(command, commands, line_to_keep(argc, argv));
     if (status) return 0;
     const auto json = command.settings->on("json");
     return fail(status.error(), json && json.value());

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <system_error>
 
+#include "src/input/bytes/far_source.h"
+
 namespace tessera {
 namespace {
 
@@ -52,9 +54,11 @@ class FileSource : public ByteSource {
   std::int64_t modified_ns_;
 };
 
-class SharedSource : public ByteSource {
+// `Kind`: ByteSource or FarSource.
+template <class Kind>
+class SharedSource : public Kind {
  public:
-  explicit SharedSource(std::shared_ptr<const ByteSource> source) : source_(std::move(source)) {}
+  explicit SharedSource(std::shared_ptr<const Kind> source) : source_(std::move(source)) {}
   const std::filesystem::path& path() const override { return source_->path(); }
   std::uint64_t size() const override { return source_->size(); }
   std::int64_t modified_ns() const override { return source_->modified_ns(); }
@@ -64,8 +68,18 @@ class SharedSource : public ByteSource {
   Status read(std::uint64_t offset, std::span<std::byte> out) const override { return source_->read(offset, out); }
   Status check_unchanged() const override { return source_->check_unchanged(); }
 
+ protected:
+  const Kind& shared() const { return *source_; }
+
  private:
-  std::shared_ptr<const ByteSource> source_;
+  std::shared_ptr<const Kind> source_;
+};
+
+class SharedFarSource : public SharedSource<FarSource> {
+ public:
+  using SharedSource::SharedSource;
+  Status bring(std::span<const ByteRange> ranges) const override { return shared().bring(ranges); }
+  std::uint64_t near_bytes_max() const override { return shared().near_bytes_max(); }
 };
 
 class MemorySource : public ByteSource {
@@ -130,7 +144,9 @@ Status read_at(int file, std::uint64_t offset, std::span<std::byte> out, const s
 }
 
 std::unique_ptr<ByteSource> share(std::shared_ptr<const ByteSource> source) {
-  return std::make_unique<SharedSource>(std::move(source));
+  if (auto far = std::dynamic_pointer_cast<const FarSource>(source))
+    return std::make_unique<SharedFarSource>(std::move(far));
+  return std::make_unique<SharedSource<ByteSource>>(std::move(source));
 }
 
 std::unique_ptr<ByteSource> memory_source(std::filesystem::path name, std::vector<std::byte> bytes) {

@@ -35,6 +35,8 @@ class Spool {
   // Errors: those above; usage for a terminal; interrupted within a tenth of a second, however slowly bytes come.
   Result<std::shared_ptr<const ByteSource>> standard_input();
 
+  const std::stop_token& stop() const { return stop_; }
+
  private:
   struct File;
   struct Origin;

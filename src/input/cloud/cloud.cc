@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/bytes/spool.h"
 #include "src/input/cloud/cloud_crs.h"
 #include "src/input/cloud/in_order.h"
@@ -46,12 +47,16 @@ struct Opened {
   std::shared_ptr<const ByteSource> spooled;  // null if the file itself can be read again
 };
 
-Result<Opened> open_input(const InputName& input, const ReadHints& hints, Spool& spool) {
+Result<Opened> open_input(const InputName& input, const ReadHints& hints, Spool& spool, const std::stop_token& stop) {
   Opened opened;
   std::shared_ptr<const ByteSource> source;
   if (input.standard_input) {
     BOOST_OUTCOME_TRY(all, spool.standard_input());
     opened.spooled = source = std::move(all);
+  } else if (names_object(input.path)) {  // stays open, so that every read is of the same version of the object
+    BOOST_OUTCOME_TRY(object, open_object(input.path, stop));
+    BOOST_OUTCOME_TRY(content, spool.unpacked(std::move(object)));
+    opened.spooled = source = std::move(content);
   } else {
     BOOST_OUTCOME_TRY(file, open_file(input.path));
     source = std::move(file);
@@ -148,13 +153,13 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
     // No thread may wait for standard input while there is an error to report.
     if (inputs[i].standard_input) return Opened{};
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
-    auto opened = open_input(inputs[i], hints, spool);
+    auto opened = open_input(inputs[i], hints, spool, stop);
     if (opened.has_error()) return inputs[i].explained(opened.error());
     return opened;
   };
   BOOST_OUTCOME_TRYV(in_order(inputs.size(), options.threads, open_one, [&](std::size_t i, Opened opened) -> Status {
     if (inputs[i].standard_input) {
-      BOOST_OUTCOME_TRY(read, open_input(inputs[i], hints, spool));
+      BOOST_OUTCOME_TRY(read, open_input(inputs[i], hints, spool, stop));
       opened = std::move(read);
     }
     cloud.files_.push_back(std::move(opened.info));

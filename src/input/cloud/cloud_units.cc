@@ -61,7 +61,7 @@ Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& 
         nodes, info.format == "ept" ? ept::read_parts(*source, resolution) : laz::read_copc_units(*source, resolution));
     for (const auto& node : nodes) {
       list_.push_back({node.points, node.bytes, node.bounds});
-      ranges_.push_back({file, node.first});
+      ranges_.push_back({.file = file, .first = node.first, .begin = node.begin});
     }
   } else {
     const Bounds stated = info.bounds ? widened(*info.bounds, info.step) : Bounds{};
@@ -119,7 +119,12 @@ Status CloudUnits::read(std::span<const std::size_t> units,
     BOOST_OUTCOME_TRY(
         reader, cloud_.reopen_whole(file, filter_.reader_schema(),
                                     ReadHints{.threads = ranges_[order[i]].whole ? cloud_.options().threads : 1}));
-    for (; i < order.size() && ranges_[order[i]].file == file; ++i) {
+    for (std::size_t brought = i; i < order.size() && ranges_[order[i]].file == file; ++i) {
+      if (i == brought) {
+        const auto next = std::span<const std::size_t>(order).subspan(i).first(units_ahead(order, i));
+        BOOST_OUTCOME_TRYV(bring(next));
+        brought += next.size();
+      }
       BOOST_OUTCOME_TRYV(read_unit(*reader, order[i], visit));
     }
     // At the end of a file readers check that it is still the file that was opened.
@@ -130,6 +135,31 @@ Status CloudUnits::read(std::span<const std::size_t> units,
     }
   }
   return success();
+}
+
+// How many of the units from `begin` on are worth bringing at a time, if their file is far.
+std::size_t CloudUnits::units_ahead(std::span<const std::size_t> units, std::size_t begin) const {
+  constexpr std::uint64_t bytes_max = std::uint64_t{16} << 20;  // a quarter of the least that is kept
+  std::uint64_t bytes = 0;
+  std::size_t end = begin;
+  while (end < units.size() && ranges_[units[end]].file == ranges_[units[begin]].file) {
+    bytes += list_[units[end]].bytes;
+    if (end > begin && bytes > bytes_max) break;
+    ++end;
+  }
+  return end - begin;
+}
+
+// Fetches units of one file before they are read, if the file is far and not whole.
+Status CloudUnits::bring(std::span<const std::size_t> units) const {
+  std::vector<FilePart> nodes;
+  for (const std::size_t unit : units) {
+    const RecordRange& range = ranges_[unit];
+    if (range.whole || cloud_.files()[range.file].format == "ept") return success();  // its nodes are files
+    nodes.push_back({range.first, list_[unit].points, range.begin, list_[unit].bytes, list_[unit].bounds});
+  }
+  BOOST_OUTCOME_TRY(source, cloud_.source(ranges_[units.front()].file));
+  return laz::bring_copc_units(*source, filter_.reader_schema(), nodes);
 }
 
 Status CloudUnits::read_unit(PointReader& reader, std::size_t unit,

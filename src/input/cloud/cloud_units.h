@@ -37,6 +37,7 @@ class CloudUnits : public PointUnits {
   struct RecordRange {
     std::size_t file = 0;
     std::uint64_t first = 0;  // the first record of the unit in the file
+    std::uint64_t begin = 0;  // COPC: the first byte of the unit in the file
     bool whole = false;       // the unit is the whole file, however many records it has
     bool seen = false;        // the bounds come from reading the points, not from the file
   };
@@ -44,6 +45,8 @@ class CloudUnits : public PointUnits {
   explicit CloudUnits(Cloud cloud);
   Status add_file(std::size_t file, bool scan, const std::stop_token& stop);
   Status scan_file(std::size_t file, std::size_t begin, const std::stop_token& stop);
+  std::size_t units_ahead(std::span<const std::size_t> units, std::size_t begin) const;
+  Status bring(std::span<const std::size_t> units) const;
   Status read_unit(PointReader& reader, std::size_t unit, const std::function<Status(std::size_t, CloudBatch&)>& visit);
   Status check_inside(const std::vector<LocalPoint>& points, std::size_t unit) const;
 

@@ -13,6 +13,7 @@
 #include "src/base/files/there.h"
 #include "src/base/option.h"
 #include "src/input/bytes/line_reader.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/ept/ept_names.h"
 #include "src/input/format.h"
 
@@ -85,7 +86,12 @@ Result<std::vector<std::string>> files_of_folder(const std::string& folder, bool
   return files;
 }
 
-Status add_inputs(const std::string& pattern, bool recursive, std::vector<InputName>& to) {
+Status add_inputs(const std::string& pattern, bool recursive, const std::stop_token& stop, std::vector<InputName>& to) {
+  if (names_object(pattern)) {
+    BOOST_OUTCOME_TRY(names, object_names(pattern, recursive, stop));
+    for (auto& name : names) to.push_back({.path = std::move(name)});
+    return success();
+  }
   BOOST_OUTCOME_TRY(paths, expand_pattern(pattern));
   for (const auto& path : paths) {
     BOOST_OUTCOME_TRY(folder, is_folder(path));
@@ -109,6 +115,9 @@ Status add_list(const std::string& list, bool recursive, Spool& spool, std::vect
   if (list == "-") {
     BOOST_OUTCOME_TRY(opened, spool.standard_input());
     source = share(std::move(opened));
+  } else if (names_object(list)) {
+    BOOST_OUTCOME_TRY(opened, open_object(list, spool.stop()));
+    source = share(std::move(opened));
   } else {
     BOOST_OUTCOME_TRY(opened, open_file(list));
     source = std::move(opened);
@@ -127,7 +136,10 @@ Status add_list(const std::string& list, bool recursive, Spool& spool, std::vect
     if (entry.find('\0') != std::string_view::npos) return lines.bad_line("is no file name: it holds a zero byte");
     const std::string place = name + ", line " + std::to_string(lines.number()) + ": ";
     const std::size_t added = to.size();
-    const auto status = add_inputs((folder / fs::path(entry)).string(), recursive, to);
+    if (names_object(list) && !names_object(entry) && entry[0] == '/')
+      return lines.bad_line("names a file of this machine, which a list on a server must not do");
+    const std::string meant = names_object(entry) ? std::string(entry) : (folder / fs::path(entry)).string();
+    const auto status = add_inputs(meant, recursive, spool.stop(), to);
     if (status.has_error()) return Error{status.error().code, place + status.error().where};
     for (std::size_t i = added; i < to.size(); ++i) to[i].before = place;
   }
@@ -159,7 +171,7 @@ Result<std::vector<InputName>> find_inputs(const InputQuestion& question, Spool&
     if (pattern == "-") {
       inputs.push_back({.path = pattern, .standard_input = true});
     } else {
-      BOOST_OUTCOME_TRYV(add_inputs(pattern, question.recursive, inputs));
+      BOOST_OUTCOME_TRYV(add_inputs(pattern, question.recursive, spool.stop(), inputs));
     }
   }
   if (!question.list.empty()) {

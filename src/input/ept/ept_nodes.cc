@@ -11,6 +11,8 @@
 
 #include "src/base/json/json_text.h"
 #include "src/base/printable.h"
+#include "src/input/bytes/far_source.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/ept/ept_names.h"
 
 namespace tessera::ept {
@@ -57,7 +59,7 @@ class HierarchyReader {
  private:
   Status read_page(const Key& page, std::vector<Key>& pages) {
     const auto path = hierarchy_file(info_, page);
-    BOOST_OUTCOME_TRY(source, open_file(path));
+    BOOST_OUTCOME_TRY(source, open_beside(path));
     BOOST_OUTCOME_TRY(text, read_text(*source));
     const nlohmann::json all = parse_json(text);
     const auto bad = [&](const std::string& what) { return error(Errc::bad_input, path.string() + ": " + what); };
@@ -89,6 +91,16 @@ class HierarchyReader {
 };
 
 }  // namespace
+
+Result<std::unique_ptr<ByteSource>> open_beside(const std::filesystem::path& path) {
+  if (!names_object(path.string())) return open_file(path);
+  BOOST_OUTCOME_TRY(object, open_object(path.string(), {}));
+  const ByteRange all{0, object->size()};
+  if (all.end <= near_bytes_max(*object)) {
+    BOOST_OUTCOME_TRYV(bring_near(*object, std::span(&all, 1)));
+  }
+  return share(std::move(object));
+}
 
 std::string Key::text() const {
   std::string text = std::to_string(level);
@@ -155,7 +167,11 @@ Result<std::vector<FilePart>> read_parts(const ByteSource& source, double resolu
   std::vector<FilePart> parts;
   for (const auto& node : nodes)
     if (node.key.level < levels)
-      parts.push_back({node.first, node.points, node.points * info.record_bytes / smaller, bounds_of(info, node.key)});
+      parts.push_back({.first = node.first,
+                       .points = node.points,
+                       .begin = 0,
+                       .bytes = node.points * info.record_bytes / smaller,
+                       .bounds = bounds_of(info, node.key)});
   return parts;
 }
 

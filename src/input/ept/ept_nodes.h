@@ -4,6 +4,8 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,9 @@ Bounds bounds_of(const Info& info, const Key& key);
 
 // The nodes that `resolution` needs as parts of the cloud. Their bytes are estimates for compressed tiles.
 Result<std::vector<FilePart>> read_parts(const ByteSource& source, double resolution);
+
+// Opens a file of the cloud, which is where its ept.json is: on this machine or on a server.
+Result<std::unique_ptr<ByteSource>> open_beside(const std::filesystem::path& path);
 
 // The files of an EPT folder.
 std::filesystem::path tile_file(const Info& info, const Key& key);

@@ -172,7 +172,7 @@ std::vector<Attribute> attributes_of(const Info& info) {
 Result<std::unique_ptr<PointReader>> open_tile(const Info& info, const Node& node,
                                                const std::vector<Attribute>& attributes, std::uint32_t threads) {
   const auto path = tile_file(info, node.key);
-  BOOST_OUTCOME_TRY(source, open_file(path));
+  BOOST_OUTCOME_TRY(source, open_beside(path));
   const auto differs = [&](std::uint64_t points) {
     return error(Errc::bad_input, path.string() + ": has " + std::to_string(points) +
                                       " points, and the hierarchy says that it has " + std::to_string(node.points));

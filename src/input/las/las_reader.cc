@@ -140,10 +140,8 @@ Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source
 
   std::unique_ptr<RecordSource> records;
   if (header.compressed) {
-    laz::WantedFields plan{.record_bytes = header.record_bytes, .wanted = std::vector<bool>(header.record_bytes)};
-    for (const auto& column : columns)
-      for (std::size_t i = 0; i < size_of(column.field.stored); ++i) plan.wanted[column.field.offset + i] = true;
-    BOOST_OUTCOME_TRY(opened, laz::open_laz_records(std::move(source), header, std::move(plan), hints));
+    BOOST_OUTCOME_TRY(opened,
+                      laz::open_laz_records(std::move(source), header, laz::wanted_fields(header, attributes), hints));
     info.points = opened.points;
     info.seek_points = opened.seek_points;
     info.points_passed_over = header.points - opened.points;

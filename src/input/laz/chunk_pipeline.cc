@@ -5,7 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "src/input/bytes/far_source.h"
 #include "src/input/bytes/record_stream.h"
+#include "src/input/laz/chunks_ahead.h"
 
 namespace tessera::laz {
 namespace {
@@ -60,8 +62,20 @@ void ChunkPipeline::work() {
   }
 }
 
+Status ChunkPipeline::bring_from(std::size_t chunk) {
+  if (near_bytes_max(source_) == 0) return success();
+  const std::lock_guard lock(bringing_);
+  if (chunk < brought_) return success();
+  const auto left = chunks_.subspan(chunk);
+  const auto next = left.first(chunks_at_once(source_, left, chunks_ahead_max));
+  BOOST_OUTCOME_TRYV(bring_chunks(source_, layout_, plan_, next));
+  brought_ = chunk + next.size();
+  return success();
+}
+
 Status ChunkPipeline::decode(std::size_t index) try {
   const Chunk& chunk = chunks_[index];
+  BOOST_OUTCOME_TRYV(bring_from(index));
   const auto decoder = make_chunk_decoder(source_, layout_, plan_, chunk);
   const std::size_t most = block_records(plan_.record_bytes);
   for (std::uint64_t done = 0; done < chunk.points;) {

@@ -51,6 +51,7 @@ class ChunkPipeline {
 
   void work();
   void stop();
+  Status bring_from(std::size_t chunk);
   Status decode(std::size_t chunk);
   Slot& slot(std::size_t chunk) { return slots_[chunk % slots_.size()]; }
 
@@ -59,6 +60,8 @@ class ChunkPipeline {
   const WantedFields& plan_;
   std::span<const Chunk> chunks_;
 
+  std::mutex bringing_;      // held while chunks of a far source are fetched: threads that need them wait
+  std::size_t brought_ = 0;  // chunks before this one were fetched
   std::mutex mutex_;
   std::condition_variable changed_;
   // the number of chunks that threads have begun; the chunk at which the reader is

@@ -38,23 +38,24 @@ Result<std::vector<Chunk>> read_chunk_table(const ByteSource& source, const LazL
 
   ArithmeticDecoder decoder(ByteFeed(source, table_at + raw.size(), source.size()));
   IntegerDecoder<32, 2> integers;
-  std::vector<Chunk> chunks(count);
+  std::vector<Chunk> chunks;  // grows as the table is read: its count may be made up
   std::uint32_t chunk_points = 0, bytes = 0;
   std::uint64_t at = first_at, listed = 0;
-  for (auto& chunk : chunks) {
+  while (chunks.size() < count && decoder.feed().missing() == 0) {
     if (layout.variable_chunks()) {
       chunk_points = static_cast<std::uint32_t>(integers.next(decoder, static_cast<std::int32_t>(chunk_points), 0));
     } else {
       chunk_points = static_cast<std::uint32_t>(std::min<std::uint64_t>(layout.chunk_points, points - listed));
     }
     bytes = static_cast<std::uint32_t>(integers.next(decoder, static_cast<std::int32_t>(bytes), 1));
+    BOOST_OUTCOME_TRYV(decoder.feed().status());
     const auto bad_chunk = [&](const std::string& what) {
-      return bad("chunk " + std::to_string(&chunk - chunks.data()) + " of " + std::to_string(count) + " " + what);
+      return bad("chunk " + std::to_string(chunks.size()) + " of " + std::to_string(count) + " " + what);
     };
     if (bytes > table_at - at) return bad_chunk("claims " + std::to_string(bytes) + " bytes, more than there are");
     if (chunk_points > points - listed)
       return bad_chunk("claims " + std::to_string(chunk_points) + " points, more than the header promises");
-    chunk = {at, at + bytes, listed, chunk_points};
+    chunks.push_back({at, at + bytes, listed, chunk_points});
     at += bytes;
     listed += chunk_points;
   }

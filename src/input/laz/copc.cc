@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "src/base/option.h"
+#include "src/input/bytes/far_source.h"
 #include "src/input/bytes/fields.h"
 
 namespace tessera::laz {
@@ -16,6 +19,10 @@ constexpr std::int32_t level_max = 30;
 struct Page {
   std::uint64_t offset, bytes;
 };
+
+// Eight million nodes, more than the largest files have. The root page has no other bound but the file's size, which a
+// server may make up.
+constexpr std::uint64_t page_bytes_max = std::uint64_t{256} << 20;
 
 struct Octree {
   std::array<double, 3> lo{};  // the lower corner of the root cube
@@ -53,15 +60,9 @@ Bounds clipped(const Bounds& cube, const Bounds& header, double slack) {
   return both;
 }
 
-}  // namespace
-
-Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const LasHeader& header,
-                                              const ReadHints& hints) {
-  const auto bad = [&](const std::string& what) {
-    return error(Errc::bad_input, source.path().string() + ", COPC " + what);
-  };
-  if (header.copc.size() < info_bytes)
-    return bad("info record: has " + std::to_string(header.copc.size()) + " bytes, not " + std::to_string(info_bytes));
+// What the info record says. `bad` makes the error of a sentence.
+Result<Octree> octree_of(const LasHeader& header, const ReadHints& hints,
+                         const std::function<Error(const std::string&)>& bad) {
   const auto* info = header.copc.data();
   const double half = load<double>(info + 24), spacing = load<double>(info + 32);
   Octree octree{.lo = {}, .side = 2 * half, .slack = 1e-9 * half};
@@ -80,6 +81,31 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
     octree.finest = 0;
     while (octree.finest < level_max && std::ldexp(spacing, -octree.finest) > hints.resolution) ++octree.finest;
   }
+  return octree;
+}
+
+// Fetches pages of a far file together, unless what is said of them is impossible or too much.
+Status bring_pages(const ByteSource& source, std::vector<ByteRange> pages) {
+  std::uint64_t bytes = 0;
+  for (const auto& page : pages) {
+    if (page.end < page.begin || page.end > source.size()) return success();
+    bytes += page.end - page.begin;
+    if (bytes > page_bytes_max) return success();
+  }
+  return bring_near(source, pages);
+}
+
+}  // namespace
+
+Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const LasHeader& header,
+                                              const ReadHints& hints) {
+  const auto bad = [&](const std::string& what) {
+    return error(Errc::bad_input, source.path().string() + ", COPC " + what);
+  };
+  if (header.copc.size() < info_bytes)
+    return bad("info record: has " + std::to_string(header.copc.size()) + " bytes, not " + std::to_string(info_bytes));
+  const auto* info = header.copc.data();
+  BOOST_OUTCOME_TRY(octree, octree_of(header, hints, bad));
 
   const Box everything;
   const Box& box = hints.crop ? *hints.crop : everything;
@@ -95,10 +121,14 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
     };
     if (page.offset > source.size() || page.bytes > source.size() - page.offset)
       return bad_page("its " + std::to_string(page.bytes) + " bytes reach beyond the file");
+    if (page.bytes > page_bytes_max)
+      return bad_page("it has " + std::to_string(page.bytes) + " bytes; at most " + std::to_string(page_bytes_max) +
+                      " are read");
     // Pages do not overlap. So together they are at most as long as the file, unless they lead in a circle.
     if ((bytes_read += page.bytes) > source.size())
       return bad_page("the pages up to this one are together longer than the file, so they form a circle or overlap");
     raw.resize(page.bytes);
+    std::vector<ByteRange> below;  // the pages to which this one leads
     BOOST_OUTCOME_TRYV(source.read(page.offset, raw));
     for (std::size_t at = 0; at + entry_bytes <= raw.size(); at += entry_bytes) {
       const auto* entry = raw.data() + at;
@@ -115,11 +145,13 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
       if (points == -1) {
         if (bytes == 0) return bad_page("leads to an empty page");
         pages.push_back({offset, static_cast<std::uint64_t>(bytes)});
+        below.push_back({offset, offset + pages.back().bytes});
       } else {
         nodes.push_back({offset, static_cast<std::uint64_t>(bytes), static_cast<std::uint64_t>(points),
                          clipped(cube, header.bounds, octree.slack)});
       }
     }
+    BOOST_OUTCOME_TRYV(bring_pages(source, std::move(below)));
   }
   return nodes;
 }

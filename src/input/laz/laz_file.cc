@@ -18,6 +18,16 @@ bool has_waveforms(int point_format) {
 
 }  // namespace
 
+WantedFields wanted_fields(const LasHeader& header, const std::vector<Attribute>& attributes) {
+  WantedFields plan{.record_bytes = header.record_bytes, .wanted = std::vector<bool>(header.record_bytes)};
+  for (const auto& attribute : attributes)
+    for (const auto& field : header.fields) {
+      if (field.attribute.name != attribute.name) continue;
+      for (std::size_t i = 0; i < size_of(field.stored); ++i) plan.wanted[field.offset + i] = true;
+    }
+  return plan;
+}
+
 Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, WantedFields plan,
                                     const ReadHints& hints) {
   const std::string path = source->path().string();

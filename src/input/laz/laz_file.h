@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "src/base/attribute.h"
 #include "src/base/result.h"
 #include "src/input/bytes/record_stream.h"
 #include "src/input/las/las_header.h"
@@ -11,6 +13,9 @@
 #include "src/input/reader.h"
 
 namespace tessera::laz {
+
+// The fields of records that rows of these attributes need.
+WantedFields wanted_fields(const LasHeader& header, const std::vector<Attribute>& attributes);
 
 struct LazRecords {
   std::unique_ptr<RecordSource> records;

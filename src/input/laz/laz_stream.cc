@@ -4,6 +4,9 @@
 #include <span>
 #include <utility>
 
+#include "src/input/bytes/far_source.h"
+#include "src/input/laz/chunks_ahead.h"
+
 namespace tessera::laz {
 namespace {
 
@@ -55,6 +58,7 @@ Result<std::span<const std::byte>> LazStream::from_decoder(std::size_t most) {
   }
   const Chunk& chunk = chunks_[chunk_];
   if (!decoder_ || offset_ < decoded_) {
+    BOOST_OUTCOME_TRYV(bring_next());
     decoder_ = make_chunk_decoder(*source_, layout_, plan_, chunk);
     decoded_ = 0;
   }
@@ -75,6 +79,17 @@ Result<std::span<const std::byte>> LazStream::from_decoder(std::size_t most) {
   return std::span<const std::byte>(block_.bytes).first(n * plan_.record_bytes);
 }
 
+// Fetches the next chunk of a far source, and more chunks the longer they are read without a seek.
+Status LazStream::bring_next() {
+  if (near_bytes_max(*source_) == 0 || chunk_ < brought_) return success();
+  const auto left = std::span<const Chunk>(chunks_).subspan(chunk_);
+  const auto next = left.first(chunks_at_once(*source_, left, ahead_));
+  BOOST_OUTCOME_TRYV(bring_chunks(*source_, layout_, plan_, next));
+  brought_ = chunk_ + next.size();
+  ahead_ = std::min(2 * ahead_, chunks_ahead_max);
+  return success();
+}
+
 Status LazStream::decode(std::size_t records) {
   if (block_.bytes.size() < records * plan_.record_bytes) block_.bytes.resize(records * plan_.record_bytes);
   const auto status = decoder_->decode(records, block_.bytes.data());
@@ -91,6 +106,8 @@ void LazStream::seek(std::uint64_t record) {
     decoded_ = 0;
   }
   pipeline_.reset();
+  brought_ = 0;
+  ahead_ = 1;
   chunk_ = chunk;
   offset_ = chunk < chunks_.size() ? record : 0;
 }

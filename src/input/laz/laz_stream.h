@@ -29,6 +29,7 @@ class LazStream : public RecordSource {
   Result<std::span<const std::byte>> from_pipeline(std::size_t most);
   Result<std::span<const std::byte>> from_decoder(std::size_t most);
   Status decode(std::size_t records);
+  Status bring_next();
 
   std::unique_ptr<ByteSource> source_;
   LazLayout layout_;
@@ -42,7 +43,8 @@ class LazStream : public RecordSource {
   std::unique_ptr<ChunkDecoder> decoder_;
   std::uint64_t decoded_ = 0;  // records of chunk_ that decoder_ has returned
   RecordBlock block_;
-  std::size_t used_ = 0;  // records of block_ that were returned, if it is the pipeline's
+  std::size_t brought_ = 0, ahead_ = 1;  // of a far source: chunks before brought_ were fetched, ahead_ at a time
+  std::size_t used_ = 0;                 // records of block_ that were returned, if it is the pipeline's
   std::unique_ptr<ChunkPipeline> pipeline_;
 };
 

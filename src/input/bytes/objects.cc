@@ -1,0 +1,55 @@
+#include "src/input/bytes/objects.h"
+
+#include <algorithm>
+#include <cctype>
+#include <mutex>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+struct Way {
+  std::mutex mutex;
+  std::shared_ptr<Objects> objects;
+};
+
+Way& way() {
+  static Way all;
+  return all;
+}
+
+Result<std::shared_ptr<Objects>> objects_for(const std::string& name) {
+  {
+    const std::lock_guard lock(way().mutex);
+    if (way().objects) return way().objects;
+  }
+  // A name may have a secret behind '?' or before '@'.
+  const auto scheme = name.substr(0, name.find("://") + 3);
+  return error(Errc::usage, "an input begins with " + scheme + ", but this process reads files only");
+}
+
+}  // namespace
+
+bool names_object(std::string_view name) {
+  const auto end = name.find("://");
+  if (end == std::string_view::npos || end == 0 || std::isalpha(static_cast<unsigned char>(name[0])) == 0) return false;
+  return std::all_of(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(end),
+                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '+' || c == '-' || c == '.'; });
+}
+
+void set_objects(std::shared_ptr<Objects> objects) {
+  const std::lock_guard lock(way().mutex);
+  way().objects = std::move(objects);
+}
+
+Result<std::shared_ptr<const ByteSource>> open_object(const std::string& name, std::stop_token stop) {
+  BOOST_OUTCOME_TRY(objects, objects_for(name));
+  return objects->open(name, std::move(stop));
+}
+
+Result<std::vector<std::string>> object_names(const std::string& name, bool recursive, std::stop_token stop) {
+  BOOST_OUTCOME_TRY(objects, objects_for(name));
+  return objects->names(name, recursive, std::move(stop));
+}
+
+}  // namespace tessera

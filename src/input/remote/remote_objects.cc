@@ -1,0 +1,129 @@
+#include "src/input/remote/remote_objects.h"
+
+#include <cstdlib>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/files/whole_file.h"
+#include "src/base/option.h"
+#include "src/input/bytes/far_source.h"
+#include "src/input/remote/http_object.h"
+#include "src/input/remote/kept_pages.h"
+#include "src/input/remote/kept_source.h"
+#include "src/input/remote/s3.h"
+#include "src/input/remote/s3_listing.h"
+#include "src/input/remote/stac.h"
+#include "src/input/remote/transfers.h"
+#include "src/input/remote/url.h"
+
+namespace tessera::remote {
+namespace {
+
+// Enough for the header of most LAS files, and for what tells other formats.
+constexpr std::size_t begin_bytes = std::size_t{16} << 10;
+constexpr std::size_t stac_document_bytes_max = std::size_t{16} << 20;
+constexpr std::size_t stac_documents_max = 10'000, stac_files_max = 100'000;
+
+class RemoteObjects : public Objects {
+ public:
+  explicit RemoteObjects(RemoteOptions options)
+      : pages_(std::make_shared<KeptPages>(std::move(options.folder), options.kept_bytes_max)),
+        s3_options_(std::move(options.s3)),
+        ca_file_(std::move(options.ca_file)) {}
+
+  Result<std::shared_ptr<const ByteSource>> open(const std::string& name, std::stop_token stop) override {
+    BOOST_OUTCOME_TRY(place, place_of(name));
+    BOOST_OUTCOME_TRY(opened, open_http(place.url, std::move(place.asking), transfers(), begin_bytes, std::move(stop)));
+    BOOST_OUTCOME_TRY(source, keep_source(std::move(opened.object), std::move(opened.begin), pages_));
+    return std::shared_ptr<const ByteSource>(std::move(source));
+  }
+
+  Result<std::vector<std::string>> names(const std::string& name, bool recursive, std::stop_token stop) override {
+    if (is_stac_name(name)) return stac_files(name, recursive, stop);
+    if (!is_s3(name) || (!name.ends_with('/') && name.find('/', 5) != std::string::npos)) return std::vector{name};
+    BOOST_OUTCOME_TRY(access, s3_access());
+    return list_s3(name, recursive, access, *transfers(), stop);
+  }
+
+ private:
+  struct Place {
+    Url url;
+    Asking asking;
+  };
+  Result<Place> place_of(const std::string& name) {
+    if (!is_s3(name)) {
+      BOOST_OUTCOME_TRY(url, parse_url(name));
+      return Place{std::move(url), {}};
+    }
+    BOOST_OUTCOME_TRY(access, s3_access());
+    BOOST_OUTCOME_TRY(url, s3_address(name, access));
+    return Place{std::move(url), access.asking()};
+  }
+
+  // The point files of a document of STAC and of those to which it leads, sorted, each once.
+  Result<std::vector<std::string>> stac_files(const std::string& name, bool recursive, const std::stop_token& stop) {
+    std::set<std::string> files, seen{name};
+    std::vector<std::string> open{name};
+    const auto refuse = [&](const std::string& what) {
+      return error(Errc::bad_input, without_secrets(name) + ": " + what);
+    };
+    const auto add = [&](const std::vector<std::string>& documents) {
+      for (const auto& document : documents)
+        if (seen.insert(document).second) open.push_back(document);
+    };
+    while (!open.empty()) {
+      const std::string document = std::move(open.back());
+      open.pop_back();
+      BOOST_OUTCOME_TRY(place, place_of(document));
+      BOOST_OUTCOME_TRY(bytes,
+                        get_http(place.url, std::move(place.asking), *transfers(), stac_document_bytes_max, stop));
+      const auto parsed = parse_stac(as_text(bytes), document);
+      if (parsed.has_error())
+        return error(parsed.error().code, without_secrets(document) + ": " + parsed.error().where);
+      files.insert(parsed.value().files.begin(), parsed.value().files.end());
+      add(parsed.value().documents);
+      if (recursive) add(parsed.value().below);
+      if (seen.size() > stac_documents_max || files.size() > stac_files_max)
+        return refuse("leads to more than " + std::to_string(stac_documents_max) + " documents, or names more than " +
+                      std::to_string(stac_files_max) + " files");
+    }
+    if (files.empty())
+      return refuse(
+          "names no point files; in STAC these are assets whose type or name is that of a format that can be "
+          "read, and " +
+          option("recursive", "true") + " looks into catalogs below, too");
+    return std::vector<std::string>(files.begin(), files.end());
+  }
+
+  std::shared_ptr<Transfers> transfers() {
+    const std::lock_guard lock(mutex_);
+    if (!transfers_) transfers_ = std::make_shared<Transfers>(Patience{}, ca_file_);
+    return transfers_;
+  }
+
+  // Found once: the variables and files of this process do not change.
+  Result<S3Access> s3_access() {
+    const std::lock_guard lock(mutex_);
+    if (!s3_access_) s3_access_ = find_s3_access(s3_options_, [](const char* name) { return std::getenv(name); });
+    return *s3_access_;
+  }
+
+  std::shared_ptr<KeptPages> pages_;
+  S3Options s3_options_;
+  std::string ca_file_;
+  std::optional<Result<S3Access>> s3_access_;
+  std::mutex mutex_;
+  std::shared_ptr<Transfers> transfers_;
+};
+
+}  // namespace
+
+std::shared_ptr<Objects> remote_objects(RemoteOptions options) {
+  return std::make_shared<RemoteObjects>(std::move(options));
+}
+
+}  // namespace tessera::remote

@@ -1,0 +1,310 @@
+#include "src/input/remote/transfers.h"
+
+#include <curl/curl.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <span>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "src/base/printable.h"
+
+namespace tessera::remote {
+namespace {
+
+// The answers of one caller, who waits until none is left.
+struct Call {
+  std::size_t left = 0;
+  bool given_up = false;
+};
+
+struct Transfer {
+  Call* call = nullptr;
+  const HttpRequest* request = nullptr;
+  HttpReply* reply = nullptr;
+};
+
+// An answer while it arrives.
+struct Arriving {
+  Transfer transfer;
+  CURL* handle = nullptr;
+  curl_slist* headers = nullptr;
+  std::size_t header_bytes = 0;
+  bool too_long = false;
+  std::array<char, CURL_ERROR_SIZE> reason{};
+};
+
+constexpr std::size_t header_bytes_max = std::size_t{64} << 10;
+constexpr std::size_t refusal_bytes_max = std::size_t{4} << 10;  // enough for the error of an object store
+
+// libcurl is C, so no exception may leave these functions.
+std::size_t take_header(char* text, std::size_t, std::size_t bytes, void* to) try {
+  auto& arriving = *static_cast<Arriving*>(to);
+  if ((arriving.header_bytes += bytes) > header_bytes_max) {
+    arriving.too_long = true;
+    return 0;
+  }
+  const std::string_view line(text, bytes);
+  if (line.starts_with("HTTP/")) arriving.transfer.reply->headers.clear();  // after 100 Continue the real answer begins
+  const auto colon = line.find(':');
+  if (colon == std::string_view::npos) return bytes;
+  std::string name(line.substr(0, colon));
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto begin = line.find_first_not_of(" \t", colon + 1);
+  const auto end = line.find_last_not_of(" \t\r\n");
+  arriving.transfer.reply->headers[name] =
+      begin == std::string_view::npos || begin > end ? "" : std::string(line.substr(begin, end + 1 - begin));
+  return bytes;
+} catch (const std::bad_alloc&) {
+  return 0;
+}
+
+// run() has made the body's room, so nothing is allocated here.
+std::size_t take_body(char* bytes, std::size_t, std::size_t count, void* to) {
+  auto& arriving = *static_cast<Arriving*>(to);
+  auto& body = arriving.transfer.reply->body;
+  long status = 0;
+  curl_easy_getinfo(arriving.handle, CURLINFO_RESPONSE_CODE, &status);
+  const auto from = std::as_bytes(std::span(bytes, count));
+  if (status == 200 && !arriving.transfer.request->range.empty()) return 0;  // the whole object, which may be large
+  if (status != 206 && status != 200) {
+    const auto room = std::min(body.capacity(), refusal_bytes_max) - body.size();
+    body.insert(body.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(std::min(room, count)));
+    return room == 0 ? 0 : count;
+  }
+  if (count > arriving.transfer.request->bytes_max - body.size()) {
+    arriving.too_long = true;
+    return 0;
+  }
+  body.insert(body.end(), from.begin(), from.end());
+  return count;
+}
+
+// Whether the next try may end otherwise.
+bool is_passing(CURLcode code) {
+  switch (code) {
+    case CURLE_COULDNT_CONNECT:
+    case CURLE_GOT_NOTHING:
+    case CURLE_HTTP2:
+    case CURLE_OPERATION_TIMEDOUT:
+    case CURLE_PARTIAL_FILE:
+    case CURLE_RECV_ERROR:
+    case CURLE_SEND_ERROR:
+    case CURLE_SSL_CONNECT_ERROR:
+      return true;
+    default:
+      return false;
+  }
+}
+
+void sign(CURL* handle, const HttpRequest& request) {
+  curl_easy_setopt(handle, CURLOPT_AWS_SIGV4, ("aws:amz:" + request.region + ":s3").c_str());
+  curl_easy_setopt(handle, CURLOPT_USERNAME, request.signing->key.c_str());
+  curl_easy_setopt(handle, CURLOPT_PASSWORD, request.signing->secret.c_str());
+}
+
+}  // namespace
+
+struct Transfers::Impl {
+  Impl(const Patience& how_long, std::string trusted) : patience(how_long), ca_file(std::move(trusted)) {}
+
+  void begin(const Transfer& transfer);
+  void end(std::size_t index, CURLcode code);
+  void finished(const Transfer& transfer);
+  void loop();
+  void start_waiting();
+  void drop_given_up();
+  void finish_arrived();
+
+  Patience patience;
+  std::string ca_file;
+  CURLM* multi = nullptr;
+  std::mutex mutex;
+  std::condition_variable_any done;
+  std::deque<Transfer> waiting;                      // guarded by mutex, as all Call objects are
+  bool closing = false;                              // guarded by mutex
+  std::vector<std::unique_ptr<Arriving>> under_way;  // of the thread alone
+  std::jthread thread;                               // last: it uses all the others
+};
+
+void Transfers::Impl::begin(const Transfer& transfer) {
+  auto arriving = std::make_unique<Arriving>();
+  arriving->transfer = transfer;
+  CURL* handle = arriving->handle = curl_easy_init();
+  if (handle == nullptr) {
+    transfer.reply->failure = "no memory is left to ask for it";
+    finished(transfer);
+    return;
+  }
+  const HttpRequest& request = *transfer.request;
+  for (const auto& header : request.headers) arriving->headers = curl_slist_append(arriving->headers, header.c_str());
+  if (request.signing && !request.signing->token.empty()) {
+    const std::string token = "x-amz-security-token: " + request.signing->token;
+    arriving->headers = curl_slist_append(arriving->headers, token.c_str());
+  }
+  curl_easy_setopt(handle, CURLOPT_URL, request.address.c_str());
+  curl_easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
+  curl_easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 0L);
+  curl_easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
+  // One connection for each request under way: a single one is as fast as one stream of TCP.
+  curl_easy_setopt(handle, CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
+  curl_easy_setopt(handle, CURLOPT_HTTP09_ALLOWED, 0L);
+  curl_easy_setopt(handle, CURLOPT_USERAGENT, "tessera");
+  if (!request.range.empty()) curl_easy_setopt(handle, CURLOPT_RANGE, request.range.c_str());
+  if (request.signing) sign(handle, request);
+  if (!ca_file.empty()) curl_easy_setopt(handle, CURLOPT_CAINFO, ca_file.c_str());
+  curl_easy_setopt(handle, CURLOPT_HTTPHEADER, arriving->headers);
+  curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS, patience.connect_ms);
+  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, patience.slow_bytes);
+  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, patience.slow_s);
+  curl_easy_setopt(handle, CURLOPT_TIMEOUT, patience.whole_s);
+  curl_easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
+  curl_easy_setopt(handle, CURLOPT_HEADERDATA, arriving.get());
+  curl_easy_setopt(handle, CURLOPT_WRITEFUNCTION, take_body);
+  curl_easy_setopt(handle, CURLOPT_WRITEDATA, arriving.get());
+  curl_easy_setopt(handle, CURLOPT_ERRORBUFFER, arriving->reason.data());
+  curl_easy_setopt(handle, CURLOPT_PRIVATE, arriving.get());
+  curl_multi_add_handle(multi, handle);
+  under_way.push_back(std::move(arriving));
+}
+
+void Transfers::Impl::finished(const Transfer& transfer) {
+  {
+    const std::lock_guard lock(mutex);
+    --transfer.call->left;
+  }
+  done.notify_all();
+}
+
+// Takes a transfer out, and tells its caller.
+void Transfers::Impl::end(std::size_t index, CURLcode code) {
+  Arriving& arriving = *under_way[index];
+  HttpReply& reply = *arriving.transfer.reply;
+  long status = 0;
+  curl_easy_getinfo(arriving.handle, CURLINFO_RESPONSE_CODE, &status);
+  reply.status = static_cast<int>(status);
+  const char* redirect = nullptr;
+  curl_easy_getinfo(arriving.handle, CURLINFO_REDIRECT_URL, &redirect);
+  if (redirect != nullptr) reply.redirect = redirect;
+  const bool cut_short = code == CURLE_WRITE_ERROR && !arriving.too_long;  // by take_body(), which has seen enough
+  if (arriving.too_long) {
+    reply.failure = "its answer is longer than what was asked for";
+  } else if (code != CURLE_OK && !cut_short) {
+    reply.failure = printable(arriving.reason[0] != 0 ? arriving.reason.data() : curl_easy_strerror(code));
+    reply.passing = is_passing(code);
+  }
+  curl_multi_remove_handle(multi, arriving.handle);
+  curl_easy_cleanup(arriving.handle);
+  curl_slist_free_all(arriving.headers);
+  finished(arriving.transfer);
+  under_way.erase(under_way.begin() + static_cast<std::ptrdiff_t>(index));
+}
+
+void Transfers::Impl::start_waiting() {
+  while (under_way.size() < in_flight_max) {
+    Transfer next;
+    {
+      const std::lock_guard lock(mutex);
+      if (waiting.empty()) return;
+      next = waiting.front();
+      waiting.pop_front();
+    }
+    begin(next);
+  }
+}
+
+// Ends the transfers of callers that were interrupted.
+void Transfers::Impl::drop_given_up() {
+  for (std::size_t i = under_way.size(); i-- > 0;) {
+    bool given_up = false;
+    {
+      const std::lock_guard lock(mutex);
+      given_up = under_way[i]->transfer.call->given_up;
+    }
+    if (given_up) end(i, CURLE_ABORTED_BY_CALLBACK);
+  }
+}
+
+void Transfers::Impl::finish_arrived() {
+  int more = 0;
+  while (const CURLMsg* message = curl_multi_info_read(multi, &more)) {
+    if (message->msg != CURLMSG_DONE) continue;
+    const auto found = std::find_if(under_way.begin(), under_way.end(),
+                                    [&](const auto& each) { return each->handle == message->easy_handle; });
+    if (found != under_way.end()) end(static_cast<std::size_t>(found - under_way.begin()), message->data.result);
+  }
+}
+
+void Transfers::Impl::loop() {
+  while (true) {
+    {
+      const std::lock_guard lock(mutex);
+      if (closing) return;
+    }
+    start_waiting();
+    drop_given_up();
+    int running = 0;
+    curl_multi_perform(multi, &running);
+    finish_arrived();
+    const auto has_waiting = [&] {
+      const std::lock_guard lock(mutex);
+      return !waiting.empty() && under_way.size() < in_flight_max;
+    };
+    constexpr int second_ms = 1000;
+    if (!has_waiting()) curl_multi_poll(multi, nullptr, 0, second_ms, nullptr);
+  }
+}
+
+Transfers::Transfers(const Patience& patience, std::string ca_file)
+    : impl_(std::make_unique<Impl>(patience, std::move(ca_file))) {
+  static const CURLcode ready = curl_global_init(CURL_GLOBAL_DEFAULT);
+  impl_->multi = ready == CURLE_OK ? curl_multi_init() : nullptr;
+  if (impl_->multi == nullptr) throw std::bad_alloc();
+  curl_multi_setopt(impl_->multi, CURLMOPT_MAXCONNECTS, long{in_flight_max});
+  impl_->thread = std::jthread([impl = impl_.get()] { impl->loop(); });
+}
+
+Transfers::~Transfers() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->closing = true;
+  }
+  curl_multi_wakeup(impl_->multi);
+  impl_->thread.join();
+  curl_multi_cleanup(impl_->multi);
+}
+
+Result<std::vector<HttpReply>> Transfers::run(const std::vector<HttpRequest>& requests, const std::stop_token& stop) {
+  std::vector<HttpReply> replies(requests.size());
+  for (std::size_t i = 0; i < requests.size(); ++i)
+    replies[i].body.reserve(std::max(requests[i].bytes_max, refusal_bytes_max));
+  Call call{.left = requests.size()};
+  std::unique_lock lock(impl_->mutex);
+  for (std::size_t i = 0; i < requests.size(); ++i) impl_->waiting.push_back({&call, &requests[i], &replies[i]});
+  lock.unlock();
+  curl_multi_wakeup(impl_->multi);
+  lock.lock();
+  if (impl_->done.wait(lock, stop, [&] { return call.left == 0; })) return replies;
+  call.given_up = true;
+  auto& waiting = impl_->waiting;
+  for (auto it = waiting.begin(); it != waiting.end();) {
+    if (it->call != &call) {
+      ++it;
+      continue;
+    }
+    it = waiting.erase(it);
+    --call.left;
+  }
+  curl_multi_wakeup(impl_->multi);
+  impl_->done.wait(lock, [&] { return call.left == 0; });
+  return error(Errc::interrupted, "interrupted while objects were read");
+}
+
+}  // namespace tessera::remote

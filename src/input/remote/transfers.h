@@ -1,0 +1,68 @@
+// Requests of HTTP, many at once over connections that are kept. Source: RFC 9110, RFC 9112.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+
+namespace tessera::remote {
+
+// How many requests of a process are under way at once.
+inline constexpr int in_flight_max = 16;
+
+// How long a server may be silent or slow.
+struct Patience {
+  long connect_ms = 10'000;
+  // A transfer of fewer bytes a second than that, on average over so many seconds, is given up.
+  long slow_bytes = 1024, slow_s = 20;
+  long whole_s = 300;  // one request, whatever comes
+};
+
+// Who signs requests (Signature Version 4 of AWS).
+struct Signing {
+  std::string key, secret;
+  std::string token;  // of credentials that are valid for some hours; or empty
+};
+
+struct HttpRequest {
+  std::string address;
+  std::string range;  // "0-16383"; empty: the whole answer is wanted
+  std::vector<std::string> headers = {};
+  std::shared_ptr<const Signing> signing = {};  // null: not signed
+  std::string region = {};                      // for which the signature is
+  std::size_t bytes_max = 0;                    // a longer body is an error
+};
+
+struct HttpReply {
+  int status = 0;                              // 0: there was no answer
+  std::map<std::string, std::string> headers;  // names in lower case
+  std::vector<std::byte> body;                 // of status 206 or 200; of other answers the first bytes
+  std::string failure;                         // why the answer is not whole; empty if it is
+  bool passing = false;                        // the failure may be gone at the next try
+  std::string redirect;                        // where an answer of status 3xx leads
+};
+
+// Thread-safe. One thread of this object moves all bytes.
+class Transfers {
+ public:
+  // `ca_file`: certificates (PEM) that https trusts; empty: those of the system.
+  explicit Transfers(const Patience& patience, std::string ca_file = {});
+  Transfers(const Transfers&) = delete;
+  Transfers& operator=(const Transfers&) = delete;
+  ~Transfers();  // REQUIRES: no call of run() is under way
+
+  // Sends the requests, and returns their replies in the same order. Redirects are not followed. Error interrupted soon
+  // after `stop`.
+  Result<std::vector<HttpReply>> run(const std::vector<HttpRequest>& requests, const std::stop_token& stop);
+
+ private:
+  struct Impl;  // keeps libcurl out of other files
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tessera::remote
