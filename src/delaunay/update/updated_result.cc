@@ -195,7 +195,7 @@ Result<std::vector<FinishedTile>> UpdatedResult::finished_tiles(const NewVersion
   return finished;
 }
 
-Status UpdatedResult::commit(NewVersion& version) {
+Status UpdatedResult::commit(NewVersion& version, const std::function<Status(const std::string& manifest)>& before) {
   BOOST_OUTCOME_TRY(box, bounds());
   Manifest& manifest = version.manifest();
   manifest.format_version = updated_format;
@@ -217,11 +217,13 @@ Status UpdatedResult::commit(NewVersion& version) {
     BOOST_OUTCOME_TRYV(sort_rows(pairs, rows));
     BOOST_OUTCOME_TRYV(version.replace_duplicates(pairs, rows ? &*rows : nullptr));
   }
-  return version.commit({}, {.added = change_.add.size(),
-                             .removed = plan_.removed_points,
-                             .inputs = inputs(),
-                             .command = options_.command,
-                             .software_version = options_.software_version});
+  return version.commit({},
+                        {.added = change_.add.size(),
+                         .removed = plan_.removed_points,
+                         .inputs = inputs(),
+                         .command = options_.command,
+                         .software_version = options_.software_version},
+                        before);
 }
 
 }  // namespace tessera
