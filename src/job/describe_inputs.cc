@@ -1,9 +1,16 @@
+#include <fcntl.h>
+
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "src/base/attribute.h"
 #include "src/base/crs/crs.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/there.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/base/phases.h"
 #include "src/input/bytes/objects.h"
@@ -15,6 +22,7 @@
 #include "src/job/description.h"
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
+#include "src/result/store/stamp.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -34,6 +42,19 @@ Json to_json(const CoordinateColumns& columns) {
     json[std::string(1, "xyz"[axis])] = columns.numbers[axis];
   json["by"] = columns.by == By::place ? "place" : columns.by == By::header ? "header" : "option";
   return json;
+}
+
+// Which result a mesh was exported from, as the comments at its beginning tell.
+Result<Json> result_of(const FileInfo& file) {
+  const bool has_comments = file.format == "ply" || file.format == "off" || file.format == "obj";
+  if (!has_comments || !file.packing.empty()) return Json();
+  BOOST_OUTCOME_TRY(regular, is_regular(file.path));
+  if (!regular) return Json();  // standard input and pipes are read once only
+  BOOST_OUTCOME_TRY(opened, open_handle(file.path, O_RDONLY));
+  std::array<char, 1024> head{};
+  BOOST_OUTCOME_TRY(read, read_up_to(opened.get(), std::as_writable_bytes(std::span(head)), 0, file.path));
+  const auto stamp = stamp_in_comments({head.data(), read});
+  return stamp ? parse_ordered_json(json_of(*stamp)) : Json();
 }
 
 Json to_json(const FileInfo& file) {
@@ -128,7 +149,11 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
   BOOST_OUTCOME_TRY(expected, forecast(options, cloud, kept, !counted.is_null()));
   const auto& cost = expected.cost;
   Json files = Json::array();
-  for (const auto& file : cloud.files()) files.push_back(to_json(file));
+  for (const auto& file : cloud.files()) {
+    files.push_back(to_json(file));
+    BOOST_OUTCOME_TRY(result, result_of(file));
+    files.back()["result"] = std::move(result);
+  }
   Json phases = Json::object();
   for (const auto& [phase, bytes] : cost.phases.bytes) phases[name_of(phase)] = bytes;
   return written({{"files", files},

@@ -145,6 +145,11 @@ std::string file_text(const Json& file) {
   if (file.contains("columns") && !file.at("columns").is_null()) lines.add("columns", columns_text(file.at("columns")));
   lines.add("attributes", joined(file.at("attributes")));
   if (!text_of(file, "crs").empty()) lines.add("CRS", text_of(file, "crs_name"));
+  if (file.contains("result") && !file.at("result").is_null()) {
+    const Json& result = file.at("result");
+    lines.add("made of", "version " + std::to_string(count_of(result, "version")) + " of a result" +
+                             (result.contains("digest") ? ", digest " + text_of(result, "digest") : ""));
+  }
   if (!text_of(file, "crs_note").empty()) lines.add("note", text_of(file, "crs_note"));
   return path + lines.text();
 }

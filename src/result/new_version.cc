@@ -364,7 +364,8 @@ Status NewVersion::sync() const {
   return sync_folder(source_.folder());
 }
 
-Status NewVersion::commit(std::vector<ResultColumn> columns, const VersionNote& note) {
+Status NewVersion::commit(std::vector<ResultColumn> columns, const VersionNote& note,
+                          const std::function<Status(const std::string& manifest)>& before) {
   const fs::path& out = source_.folder();
   if (!columns.empty() && written_.size() != source_.tiles()) return error(Errc::internal, "a version lacks tiles");
   if (next_.format_version >= updated_format) {
@@ -378,8 +379,12 @@ Status NewVersion::commit(std::vector<ResultColumn> columns, const VersionNote& 
   BOOST_OUTCOME_TRYV(lock_.check());
   BOOST_OUTCOME_TRYV(write_whole(version_log_file(out), version_log_text(log_)));
   BOOST_OUTCOME_TRYV(lock_.check());
+  const std::string text = store::manifest_to_text(next_);
+  if (before) {
+    BOOST_OUTCOME_TRYV(before(text));
+  }
   for (auto& file : files_) file.keep();  // an error from here on may come too late to undo the change
-  BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(next_)));
+  BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), text));
   BOOST_OUTCOME_TRYV(lock_.check());
   return write_whole(master_file(out), store::master_text(next_));
 }

@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -94,8 +95,10 @@ class NewVersion {
   Manifest& manifest() { return next_; }
   // Makes the new version the current one. `columns` describes the columns that add_columns() has added. Tiles that
   // were neither extended nor replaced stay as they are. REQUIRES: if there are columns, add_columns() was called for
-  // every tile. Error io: the result may then be at either version.
-  Status commit(std::vector<ResultColumn> columns, const VersionNote& note = {});
+  // every tile. `before` gets the text of the new manifest when all other files have their places, and its error is
+  // returned. Error io: the result may then be at either version.
+  Status commit(std::vector<ResultColumn> columns, const VersionNote& note = {},
+                const std::function<Status(const std::string& manifest)>& before = {});
 
  private:
   NewVersion(FolderLock lock, TileSource source)

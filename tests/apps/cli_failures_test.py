@@ -173,6 +173,26 @@ class FullDisk(CliTest):
                 subprocess.run(["umount", disk], check=True)
 
 
+    @unittest.skipIf(os.geteuid() != 0, "only root may mount")
+    def test_a_change_asks_for_room_before_it_begins(self):
+        cloud = self.xyz(n=20_000)
+        disk = self.folder / "disk"
+        disk.mkdir()
+        self.ok("triangulate", cloud, "-o", "made", "--tiles", "4", "--quiet")
+        size = sum(p.stat().st_size for p in (self.folder / "made").rglob("*"))
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size * 3 // 2}", "tmpfs", disk]).returncode != 0:
+            self.skipTest("tmpfs cannot be mounted here")
+        try:
+            subprocess.run(["cp", "-r", self.folder / "made", disk / "out"], check=True)
+            before = self.files(disk)
+            self.refused(IO, "update", disk / "out", "--add", cloud, "--quiet",
+                         says=("out: the changed tiles need at least about", "beside the old ones, and the disk has"))
+            self.assertEqual(self.files(disk), before)
+            self.ok("verify", disk / "out", "--quiet")
+        finally:
+            subprocess.run(["umount", disk], check=True)
+
+
 class Damage(CliTest):
     def setUp(self):
         super().setUp()

@@ -7,7 +7,7 @@ import signal
 import unittest
 
 import numpy as np
-from cli import CliTest
+from cli import USAGE, CliTest
 
 
 class Steps(CliTest):
@@ -179,10 +179,32 @@ class UpdateSteps(CliTest):
             with self.subTest(step=step):
                 self.ok("verify", "out", "--quiet")
                 manifest = self.manifest()
-                self.assertEqual(manifest["digest2"], {1: old, 2: new}[manifest.get("version", 1)])
-                self.assertEqual([v["version"] for v in json.loads(self.ok("log", "out", "--json"))["versions"]], list(range(1, manifest.get("version", 1) + 1)))
-                seen.add(manifest.get("version", 1))
-                if manifest.get("version", 1) == 1:
+                version = manifest.get("version", 1)
+                self.assertEqual(manifest["digest2"], {1: old, 2: new}[version])
+                self.assertEqual([v["version"] for v in json.loads(self.ok("log", "out", "--json"))["versions"]], list(range(1, version + 1)))
+                seen.add(version)
+                run = self.folder / "out.update"
+                kept = self.folder / "kept"
+                shutil.rmtree(kept, ignore_errors=True)
+                for folder in (self.out, run):
+                    if folder.exists():
+                        shutil.copytree(folder, kept / folder.name)
+                if version == 1 or (run / "outcome.json").exists():
+                    told = json.loads(self.ok(*arguments[:-1 - len(more)], *more, "--json", "--resume"))
+                    self.assertEqual((told["version"], told["digest"], told.get("made_earlier", False)), (2, new, version == 2))
+                    self.assertEqual(self.manifest()["version"], 2)
+                    self.ok("verify", "out", "--quiet")
+                    if version == 1:  # the manifest has the command
+                        self.assertEqual(self.contents() | {"manifest.json": ""}, expected | {"manifest.json": ""})
+                    self.assertFalse(run.exists())
+                else:  # there is nothing left but perhaps the lock
+                    self.assertLessEqual({p.relative_to(run).parts[0] for p in run.rglob("*")}, {".lock"})
+                for folder in (self.out, run):
+                    shutil.rmtree(folder, ignore_errors=True)
+                    if (kept / folder.name).exists():
+                        shutil.copytree(kept / folder.name, folder)
+                shutil.rmtree(kept)
+                if version == 1:
                     self.ok(*arguments)
                     self.assertEqual(self.contents(), expected)
                 else:
@@ -191,6 +213,37 @@ class UpdateSteps(CliTest):
         self.assertEqual(seen, {1, 2})
         self.assertGreater(step, 40)
         return tiles
+
+    def test_of_each_step_of_a_change_into_a_new_folder(self):
+        grid = np.array([[x, y] for x in range(6) for y in range(6)], float)
+        self.ok("triangulate", self.save("points.npy", grid), "-o", "out", "--dim", "2", "--tiles", "4", "--threads", "1", "--quiet")
+        change = ("update", "out", "--remove-ids", self.save("gone.npy", np.array([0, 7])), "-o", "next")
+        self.ok(*change, "--quiet")
+        new = self.manifest("next")["digest2"]
+        step, seen = 0, set()
+        while True:
+            step += 1
+            shutil.rmtree(self.folder / "next")
+            done = self.run_tessera(*change, "--threads", "1", "--quiet",
+                                    env={"LD_PRELOAD": os.environ["KILL_AT_CALL"], "KILL_AT": str(step), "KILL_AT_WRITES": "1"})
+            if done.returncode == 0:
+                break
+            with self.subTest(step=step):
+                there = (self.folder / "next").exists()
+                seen.add(there)
+                if there and not (self.folder / "next.update" / "outcome.json").exists():
+                    shutil.rmtree(self.folder / "next.update", ignore_errors=True)
+                    continue
+                if there:
+                    self.refused(USAGE, *change, says="next: exists already")
+                    other = [self.save("other.npy", np.array([3])) if word == "gone.npy" else word for word in change]
+                    self.refused(USAGE, *other, "--resume", says=("is left of another command", "gone.npy"))
+                told = json.loads(self.ok(*change, "--resume", "--json", "--threads", "2"))
+                self.assertEqual(told.get("made_earlier", False), there)
+                self.assertEqual(told["digest"], new)
+                self.ok("verify", "next", "--quiet")
+                self.assertFalse((self.folder / "next.update").exists())
+        self.assertEqual(seen, {False, True})
 
 
 if __name__ == "__main__":

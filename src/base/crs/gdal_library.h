@@ -42,7 +42,7 @@ namespace tessera {
   F(GDALGetDatasetDriver) F(GDALGetDriverByName) F(GDALGetDriverShortName) F(GDALGetGeoTransform) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALGetRasterCount) \
   F(GDALGetRasterDataType) F(GDALGetRasterXSize) F(GDALGetRasterYSize) F(GDALOpenEx) F(GDALRasterIO) \
   F(GDALRegister_COG) F(GDALRegister_GTiff) F(GDALRegister_MEM) F(GDALRegister_PNG) \
-  F(GDALSetCacheMax64) F(GDALSetDescription) F(GDALSetGeoTransform) F(GDALSetRasterNoDataValue) \
+  F(GDALSetCacheMax64) F(GDALSetDescription) F(GDALSetGeoTransform) F(GDALSetMetadataItem) F(GDALSetRasterNoDataValue) \
   F(GDALSetSpatialRef) F(GDALWarp) F(GDALWarpAppOptionsFree) F(GDALWarpAppOptionsNew) F(OCTDestroyCoordinateTransformation) \
   F(OCTNewCoordinateTransformation) F(OCTTransform) F(OGR_FD_GetFieldCount) F(OGR_FD_GetFieldDefn) F(OGR_FD_GetFieldIndex) \
   F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_GetFID) F(OGR_F_GetFieldAsDouble) F(OGR_F_GetFieldAsInteger64) F(OGR_F_GetFieldAsString) \

@@ -6,6 +6,7 @@
 
 #include "src/base/files/folder.h"
 #include "src/base/files/names.h"
+#include "src/base/files/run_outcome.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 
@@ -16,15 +17,16 @@ namespace fs = std::filesystem;
 namespace {
 
 // Empties a locked folder. The lock stays to the end, as it marks the folder as a run folder. The plan goes first,
-// so that no process continues from a part of the rest.
+// so that no process continues from a part of the rest. What says that the outcome has its place goes last, so that no
+// process makes the outcome again.
 Status clear(const fs::path& path) {
   BOOST_OUTCOME_TRYV(remove_whole(plan_file(path)));
   BOOST_OUTCOME_TRY(names, sorted_names(path));
   for (const auto& name : names) {
-    if (is_lock_name(name)) continue;
+    if (is_lock_name(name) || name == outcome_file(path).filename()) continue;
     BOOST_OUTCOME_TRYV(remove_whole(path / name));
   }
-  return success();
+  return remove_whole(outcome_file(path));
 }
 
 }  // namespace

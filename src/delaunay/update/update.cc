@@ -1,12 +1,16 @@
 #include "src/delaunay/update/update.h"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <random>
+#include <set>
+#include <span>
 #include <utility>
 
 #include "src/base/check.h"
 #include "src/base/files/checksum.h"
+#include "src/base/files/free_space.h"
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
 #include "src/base/files/there.h"
@@ -20,6 +24,7 @@
 #include "src/delaunay/update/anew.h"
 #include "src/delaunay/update/change_estimate.h"
 #include "src/delaunay/update/grown_tiles.h"
+#include "src/delaunay/update/made_mark.h"
 #include "src/delaunay/update/update_folder.h"
 #include "src/delaunay/update/update_plan.h"
 #include "src/delaunay/update/update_stages.h"
@@ -27,6 +32,7 @@
 #include "src/result/measure/made_again.h"
 #include "src/result/new_version.h"
 #include "src/result/tile_source.h"
+#include "src/result/version_log.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -246,6 +252,85 @@ Result<Divided> divide(const fs::path& run, const Wanted& wanted, UpdatedResult:
   return divided;
 }
 
+// The run folder of a change that is written.
+fs::path run_of(const fs::path& result, const UpdateOptions& options) {
+  return options.run.empty() ? update_run_folder(options.to.empty() ? result : options.to) : options.run;
+}
+
+// Counts what is written at least: files of the tiles with new or removed points, of the points that they will have.
+// Tiles that these wake may come on top.
+std::uint64_t bytes_at_least(const Wanted& wanted, const ResultChange& change) {
+  const Manifest& manifest = wanted.source.manifest();
+  const auto removed = static_cast<double>(wanted.plan.removed.size());
+  double bytes = 0, all = 0;
+  const std::set<TileId> begin = tiles_that_begin(wanted.plan);
+  for (const TileEntry& entry : manifest.tiles) {
+    all += static_cast<double>(entry.bytes);
+    const auto own = static_cast<double>(entry.own_points);
+    if (own > 0 && begin.contains(entry.tile))
+      bytes += static_cast<double>(entry.bytes) * std::max(0.0, own - removed) / own;
+  }
+  const auto vertices = static_cast<double>(std::max<std::uint64_t>(manifest.vertices, 1));
+  const double of_a_point = all / vertices;
+  if (wanted.anew) bytes = of_a_point * std::max(0.0, vertices - removed);
+  return static_cast<std::uint64_t>(bytes + of_a_point * static_cast<double>(change.add.size()));
+}
+
+// A run that goes on has written a part already.
+Status check_disk(const fs::path& run, const Wanted& wanted, const ResultChange& change, const UpdateOptions& options) {
+  BOOST_OUTCOME_TRY(begun, is_there(plan_file(run)));
+  if (options.resume && begun) return success();
+  const fs::path disk = run.has_parent_path() ? run.parent_path() : fs::path(".");
+  const auto free = known_free_bytes(disk);
+  const std::uint64_t needed = bytes_at_least(wanted, change);
+  if (!free || *free >= needed) return success();
+  return error(Errc::io, wanted.source.folder().string() + ": the changed tiles need at least about " +
+                             std::to_string((needed >> 20) + 1) + " MiB beside the old ones, and the disk has " +
+                             std::to_string(*free >> 20) + " MiB left");
+}
+
+// Whether the run has noted tiles whose files are gone. A process that was killed while it made the new version has
+// moved files into the result, and the next change of the result has removed them there.
+Result<bool> lacks_files(const fs::path& run) {
+  BOOST_OUTCOME_TRY(begun, is_there(plan_file(run)));
+  if (!begun) return false;
+  BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));
+  BOOST_OUTCOME_TRY(job, read_update_job(plan, plan_file(run).string()));
+  if (!job.writes) return false;
+  BOOST_OUTCOME_TRY(tiles, tiles_in(update_ends_folder(run)));
+  for (const TileId tile : tiles) {
+    BOOST_OUTCOME_TRY(end, read_end(run, seal_of_plan(plan), tile));
+    if (!end.entry) continue;
+    BOOST_OUTCOME_TRY(there, is_there(tile_file(update_result_folder(run), *end.entry)));
+    if (!there) return true;
+  }
+  return false;
+}
+
+// The folder of a new run, or of one that can go on.
+Result<RunFolder> claim_run(const fs::path& run, const UpdateOptions& options) {
+  constexpr const char* what = "the new result";
+  if (options.resume) {
+    BOOST_OUTCOME_TRY(lacks, lacks_files(run));
+    if (lacks) {
+      BOOST_OUTCOME_TRY(useless, RunFolder::claim(run, what, false, options.lock));  // empties it
+      useless.done();
+    }
+  }
+  return RunFolder::claim(run, what, options.resume, options.lock);
+}
+
+Updated unchanged(const Wanted& wanted) {
+  const Manifest& manifest = wanted.source.manifest();
+  return {.first_new = wanted.plan.first_new,
+          .vertices = manifest.vertices,
+          .cells = manifest.cells,
+          .tiles = manifest.tiles.size(),
+          .version = manifest.version,
+          .digest = manifest.digest,
+          .unchanged = true};
+}
+
 // Returns the manifest of the new result.
 Result<Manifest> store(const fs::path& run, const Wanted& wanted, const Divided& divided, const ResultChange& change,
                        const UpdateOptions& options, const std::stop_token& stop) {
@@ -253,11 +338,16 @@ Result<Manifest> store(const fs::path& run, const Wanted& wanted, const Divided&
                       divided.tile_points, change, options},
                      divided.tiles.folder, update_columns_folder(run), stop);
   if (wanted.version) {
-    BOOST_OUTCOME_TRYV(next.commit(*wanted.version));
+    BOOST_OUTCOME_TRYV(next.commit(*wanted.version, [&](const std::string& manifest) {
+      const auto bytes = std::as_bytes(std::span(manifest));
+      return write_mark(run, {checksum_text(checksum(bytes)), options.command});
+    }));
     return wanted.version->manifest();
   }
   BOOST_OUTCOME_TRYV(next.link_others());
   BOOST_OUTCOME_TRYV(next.finish());
+  BOOST_OUTCOME_TRY(sum, checksum_file(manifest_file(next.target())));
+  BOOST_OUTCOME_TRYV(write_mark(run, {checksum_text(sum), options.command}));
   BOOST_OUTCOME_TRYV(rename_file(next.target(), options.to));
   return next.manifest();
 }
@@ -266,9 +356,10 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
                        StagesRunner& runner, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(wanted, plan_change(result, change, options, stop));
   if (options.dry_run) return try_update(wanted, options, runner, stop);
-  const fs::path beside = update_run_folder(options.to.empty() ? result : options.to);
-  const fs::path run_path = options.run.empty() ? beside : options.run;
-  BOOST_OUTCOME_TRY(run, RunFolder::claim(run_path, "the new result", options.resume, options.lock));
+  if (wanted.version && change.add.empty() && wanted.plan.removed_points == 0) return unchanged(wanted);
+  const fs::path run_path = run_of(result, options);
+  BOOST_OUTCOME_TRYV(check_disk(run_path, wanted, change, options));
+  BOOST_OUTCOME_TRY(run, claim_run(run_path, options));
   BOOST_OUTCOME_TRYV(begin_run(run.path(), wanted, options, stop));
   BOOST_OUTCOME_TRYV(
       runner.run(kind_of(wanted), path_of(wanted.source), run.path(), run.lock_file(), options.progress, stop));
@@ -306,6 +397,34 @@ Status check_changeable(const fs::path& result, const Manifest& manifest) {
                   " of equal points is the vertex of this result, and results of older software do not keep the "
                   "attributes of the other points; triangulate again");
   return success();
+}
+
+Result<std::optional<VersionEntry>> finish_earlier(
+    const fs::path& result, const UpdateOptions& options,
+    const std::function<bool(const std::vector<std::string>& command)>& is_same) {
+  if (!options.resume || options.dry_run) return std::optional<VersionEntry>();
+  const fs::path run = run_of(result, options), out = options.to.empty() ? result : options.to;
+  BOOST_OUTCOME_TRY(mark, read_mark(run));
+  if (!mark) return std::optional<VersionEntry>();
+  BOOST_OUTCOME_TRY(made, is_made(*mark, out));
+  if (!made) return std::optional<VersionEntry>();
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  if (!is_same(mark->command)) {
+    std::string words;
+    for (const std::string& word : mark->command) words += (words.empty() ? "" : " ") + word;
+    return error(Errc::usage, run.string() + ": is left of another command, which has made version " +
+                                  std::to_string(manifest.version) + " of " + out.string() + ": '" + words +
+                                  "'; there is nothing to continue");
+  }
+  VersionEntry entry = entry_of(manifest, 0);
+  if (options.to.empty()) {
+    BOOST_OUTCOME_TRY(told, tell_versions(out));
+    if (!told.versions.empty() && told.versions.back().entry.version == entry.version)
+      entry = std::move(told.versions.back().entry);
+  }
+  BOOST_OUTCOME_TRY(left, RunFolder::claim(run, "the new result", false, options.lock));  // removes what is left
+  left.done();
+  return std::optional(std::move(entry));
 }
 
 Result<Updated> update_result(const fs::path& result, const ResultChange& change, const UpdateOptions& options,

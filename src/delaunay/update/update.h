@@ -20,6 +20,7 @@
 #include "src/result/new_version.h"
 #include "src/result/store/digest.h"
 #include "src/result/store/tile_store.h"
+#include "src/result/version_log.h"
 
 namespace tessera {
 
@@ -83,7 +84,18 @@ struct Updated {
   std::uint64_t old_points = 0, old_bytes = 0;
   ExchangeCounts exchange = {};
   std::optional<Digest> digest = {};  // of the new result
+  // No point was to be added or removed, so the result itself has no new version. A new folder is made nevertheless.
+  bool unchanged = false;
 };
+
+// Looks for a run that has made its result, but ended before it had removed its run folder, and removes what is left of
+// the run. Call this before the points of a change are chosen, because the new version has other points. Returns what
+// the log says of the result that was made; of a new folder, what its manifest says. Nothing without options.resume,
+// and when there is no such run. `is_same`: whether the command of that run is the present one. Errors: usage when it
+// is not, and when another process works there; corrupt; io.
+Result<std::optional<VersionEntry>> finish_earlier(
+    const std::filesystem::path& result, const UpdateOptions& options,
+    const std::function<bool(const std::vector<std::string>& command)>& is_same);
 
 // Whether a result can be changed at all. Error usage, with the reason, when it cannot.
 Status check_changeable(const std::filesystem::path& result, const Manifest& manifest);
@@ -91,12 +103,13 @@ Status check_changeable(const std::filesystem::path& result, const Manifest& man
 // Makes the new result. In a new folder, tiles that have not changed are hard links to the old files, and the old
 // result stays as it is. Otherwise the result gets a new version: whoever reads the result keeps the version that he
 // has opened, and an end of this process at any moment leaves the old version or the new one. What is made is in the
-// run folder until it is whole. `runner` runs jobs of the kind kind_of_update.
+// run folder until it is whole. A change of the result itself that neither adds nor removes a point does nothing.
+// `runner` runs jobs of the kind kind_of_update.
 // Errors: usage when the result cannot be changed in this way, when a point to be removed does not exist, when the
 // points that are left do not span space, when the folder exists, when another process changes the result, or has
-// changed it since points were chosen, or when what an earlier process has begun is another change; those of TileSource
-// and of the runner; interrupted. After an error the folder does not exist, or the old version stands, and the run
-// folder is gone unless `resume` is set.
+// changed it since points were chosen, or when what an earlier process has begun is another change; io, before anything
+// is written, when the disk surely has no room; those of TileSource and of the runner; interrupted. After an error the
+// folder does not exist, or the old version stands, and the run folder is gone unless `resume` is set.
 Result<Updated> update_result(const std::filesystem::path& result, const ResultChange& change,
                               const UpdateOptions& options, StagesRunner& runner, std::stop_token stop = {});
 

@@ -209,7 +209,7 @@ void UpdatedResult::describe_columns(Manifest& manifest) const {
   for (ResultColumn& column : manifest.columns) column.total.reset();
 }
 
-Status UpdatedResult::commit(NewVersion& version) {
+Status UpdatedResult::commit(NewVersion& version, const std::function<Status(const std::string& manifest)>& before) {
   BOOST_OUTCOME_TRY(box, bounds());
   Manifest& manifest = version.manifest();
   manifest.format_version = updated_format;
@@ -231,11 +231,13 @@ Status UpdatedResult::commit(NewVersion& version) {
     BOOST_OUTCOME_TRYV(sort_rows(pairs, rows));
     BOOST_OUTCOME_TRYV(version.replace_duplicates(pairs, rows ? &*rows : nullptr));
   }
-  return version.commit({}, {.added = change_.add.size(),
-                             .removed = plan_.removed_points,
-                             .inputs = inputs(),
-                             .command = options_.command,
-                             .software_version = options_.software_version});
+  return version.commit({},
+                        {.added = change_.add.size(),
+                         .removed = plan_.removed_points,
+                         .inputs = inputs(),
+                         .command = options_.command,
+                         .software_version = options_.software_version},
+                        before);
 }
 
 }  // namespace tessera

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,9 +57,9 @@ class UpdatedResult {
   // last.
   Status link_others();
   Status finish();
-  // Instead of both: makes what was written the new version of the result. REQUIRES: `folder` is in the same file
-  // system.
-  Status commit(NewVersion& version);
+  // Instead of both: makes what was written the new version of the result. `before`: see NewVersion::commit().
+  // REQUIRES: `folder` is in the same file system.
+  Status commit(NewVersion& version, const std::function<Status(const std::string& manifest)>& before);
   const Manifest& manifest() const { return manifest_; }
   const std::filesystem::path& target() const { return whole_.manifest().columns.empty() ? folder_ : columns_; }
 

@@ -39,6 +39,17 @@ std::string count(const Json& object, const char* key) {
   return read(object, key, value) ? grouped(value) : "?";
 }
 
+// The number with its noun.
+std::string counted_of(const Json& object, const char* key, const char* one) {
+  std::uint64_t value = 0;
+  return read(object, key, value) ? counted(value, one) : std::string("? ") + one + "s";
+}
+
+bool is_one(const Json& object, const char* key) {
+  std::uint64_t value = 0;
+  return read(object, key, value) && value == 1;
+}
+
 }  // namespace
 
 void print_verified(const std::string& result, const VerifyReport& report, const OutputOptions& output) {
@@ -171,20 +182,34 @@ void print_updated(const Json& told, const OutputOptions& output) {
   }
   if (output.quiet) return;
   const bool dry = is_event(told, "would_update");
-  const char* were = dry ? "would be" : "were";
-  if (told.contains("removed"))
-    say("%s points %s removed, %s added (%s of them equal to other points)\n", count(told, "removed").c_str(), were,
-        count(told, "added").c_str(), count(told, "duplicates").c_str());
+  if (!dry && told.value("unchanged", false)) {
+    say("nothing has changed: there are no points to add, and none of %s is to be removed; the newest version is still "
+        "%s\n",
+        told.value("output", std::string()).c_str(), count(told, "version").c_str());
+    return;
+  }
+  if (told.value("made_earlier", false))
+    say("an earlier run of this command has made the result already; what was left of that run is removed\n");
+  const auto were = [&](const char* key) { return dry ? "would be" : is_one(told, key) ? "was" : "were"; };
+  if (told.contains("removed")) {
+    const std::string equal =
+        told.contains("duplicates") ? " (" + count(told, "duplicates") + " of them equal to other points)" : "";
+    say("%s %s removed, %s added%s\n", counted_of(told, "removed", "point").c_str(), were("removed"),
+        count(told, "added").c_str(), equal.c_str());
+  }
   std::string way;
   if (read(told, "way", way) && way == "anew") {
-    say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n", were);
+    say("most tiles have new or removed points, so all tiles %s triangulated anew, which costs less\n",
+        dry ? "would be" : "were");
   } else if (told.value("estimated", false)) {
-    say("about %s tiles would be triangulated again, at most: those with new or removed points, and those beside "
-        "them\n",
-        count(told, "tiles_awake").c_str());
+    say("about %s would be triangulated again, at most: those with new or removed points, and those beside them\n",
+        counted_of(told, "tiles_awake", "tile").c_str());
   } else if (!way.empty()) {
-    say("%s tiles %s triangulated again, and %s of them %s\n", count(told, "tiles_awake").c_str(), were,
-        count(told, "tiles_changed").c_str(), dry ? "would change" : "have changed");
+    say("%s %s triangulated again, and %s of them %s\n", counted_of(told, "tiles_awake", "tile").c_str(),
+        were("tiles_awake"), count(told, "tiles_changed").c_str(),
+        dry                             ? "would change"
+        : is_one(told, "tiles_changed") ? "has changed"
+                                        : "have changed");
   }
   if (dry) {
     std::uint64_t bytes = 0;
@@ -196,11 +221,11 @@ void print_updated(const Json& told, const OutputOptions& output) {
   }
   std::uint64_t split = 0;
   if (read(told, "tiles_split", split) && split > 0)
-    say("%s tiles had grown too large and were split\n", count(told, "tiles_split").c_str());
+    say("%s had grown too large and %s split\n", counted(split, "tile").c_str(), split == 1 ? "was" : "were");
   std::string name;
   if (read(told, "output", name))
-    say("%s, version %s: %s vertices, %s cells in %s tiles\n", name.c_str(), count(told, "version").c_str(),
-        count(told, "vertices").c_str(), count(told, "cells").c_str(), count(told, "tiles").c_str());
+    say("%s, version %s: %s vertices, %s cells in %s\n", name.c_str(), count(told, "version").c_str(),
+        count(told, "vertices").c_str(), count(told, "cells").c_str(), counted_of(told, "tiles", "tile").c_str());
 }
 
 std::optional<Measured> measured_of(const Json& outcome) {

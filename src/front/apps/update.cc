@@ -2,6 +2,7 @@
 #include "src/delaunay/update/update.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -29,10 +30,9 @@
 #include "src/input/npy/npy_header.h"
 #include "src/job/arguments.h"
 #include "src/job/engine_steps.h"
-#include "src/job/estimate.h"
 #include "src/job/new_points.h"
+#include "src/job/told_update.h"
 #include "src/job/version.h"
-#include "src/result/store/digest.h"
 #include "src/result/tile_source.h"
 #include "src/result/voronoi/clip_region.h"
 #include "src/result/voronoi/read_clip.h"
@@ -181,41 +181,36 @@ Result<ResultChange> read_change(AskedUpdate& request, const std::stop_token& st
   return change;
 }
 
-// As the estimate of a triangulation, for the points of the tiles that are triangulated.
-double seconds_of(const AskedUpdate& request, const Updated& updated) {
-  const std::uint64_t limit = updated.old_points / std::max<std::uint64_t>(updated.awake, 1) + 1;
-  return estimate(request.dimension, KernelKind::flat, TileKind::cells, updated.old_points, limit, true, 0,
-                  {request.memory_bytes, request.options.threads})
-      .seconds;
+// The words of a command that say what is changed. A command that continues another may print differently and work
+// with more memory.
+std::vector<std::string> words_of_change(const std::vector<std::string>& command) {
+  constexpr std::array<std::string_view, 5> switches{"--resume", "--quiet", "--verbose", "-v", "--json"};
+  constexpr std::array<std::string_view, 2> values{"--memory", "--threads"};
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    const std::string& word = command[i];
+    if (std::ranges::find(switches, word) != switches.end()) continue;
+    const std::string_view name = std::string_view(word).substr(0, word.find('='));
+    if (std::ranges::find(values, name) == values.end()) {
+      words.push_back(word);
+    } else if (name == word) {
+      ++i;  // the value is the next word
+    }
+  }
+  return words;
 }
 
-// All that is told of the change.
-nlohmann::ordered_json told_of(const AskedUpdate& request, const ResultChange& change, const Updated& updated) {
-  const bool dry = request.options.dry_run;
-  nlohmann::ordered_json told{{"event", dry ? "would_update" : "updated"}};
-  if (!dry) told["output"] = written_to(request).string();
-  if (!dry) told["version"] = updated.version;
-  told["removed"] = updated.removed;
-  told["added"] = change.add.size();
-  told["first_new_id"] = updated.first_new;
-  told["duplicates"] = updated.duplicates;
-  told["way"] = updated.anew ? "anew" : "exchange";
-  told["tiles_begun"] = updated.begun;
-  told["tiles_awake"] = updated.awake;
-  told["tiles_changed"] = updated.written;
-  told["points_sent"] = updated.exchange.sent;
-  if (dry) {
-    told["estimated"] = updated.estimated;
-    told["bytes"] = updated.old_bytes;
-    told["seconds"] = seconds_of(request, updated);
-    return told;
-  }
-  told["tiles_split"] = updated.split;
-  told["tiles"] = updated.tiles;
-  told["vertices"] = updated.vertices;
-  told["cells"] = updated.cells;
-  if (updated.digest) told["digest"] = digest_text(*updated.digest);
-  return told;
+// Whether an earlier run of the same command has made the result already. If so, this is told.
+Result<bool> was_made(const AskedUpdate& request) {
+  const auto is_same = [&](const std::vector<std::string>& command) {
+    return words_of_change(command) == words_of_change(request.options.command);
+  };
+  BOOST_OUTCOME_TRY(made, finish_earlier(request.result, request.options, is_same));
+  if (!made) return false;
+  auto told = told_of_made(*made, written_to(request).string());
+  told["made_earlier"] = true;
+  print_updated(told, request.output);
+  return true;
 }
 
 Status run_update(Settings& settings, const UpdateFiles& files, const std::vector<std::string>& command_line) {
@@ -228,6 +223,8 @@ Status run_update(Settings& settings, const UpdateFiles& files, const std::vecto
   request.options.software_version = version();
   const Interrupt interrupt;
   BOOST_OUTCOME_TRYV(read_version_options(settings, request.options, interrupt.token()));
+  BOOST_OUTCOME_TRY(made, was_made(request));
+  if (made) return success();
   BOOST_OUTCOME_TRY(change, read_change(request, interrupt.token()));
   Engine engine(request.options.threads, request.memory_bytes, kinds_of_stages());
   Progress progress;
@@ -239,7 +236,13 @@ Status run_update(Settings& settings, const UpdateFiles& files, const std::vecto
   auto result_of_change = update_result(request.result, change, request.options, stages, interrupt.token());
   clear_line(request.output);
   BOOST_OUTCOME_TRY(updated, std::move(result_of_change));
-  print_updated(told_of(request, change, updated), request.output);
+  print_updated(told_of(updated, {.output = written_to(request).string(),
+                                  .dry_run = request.options.dry_run,
+                                  .added = change.add.size(),
+                                  .dimension = request.dimension,
+                                  .memory_bytes = request.memory_bytes,
+                                  .threads = request.options.threads}),
+                request.output);
   return success();
 }
 

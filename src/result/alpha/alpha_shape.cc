@@ -24,6 +24,7 @@
 #include "src/result/alpha/tile_alpha.h"
 #include "src/result/export/ending.h"
 #include "src/result/export/output.h"
+#include "src/result/store/stamp.h"
 #include "src/result/tile_queue.h"
 #include "src/result/tile_source.h"
 
@@ -201,11 +202,11 @@ class Counted : public ShapeTaker {
 
 Status write_ply(const fs::path& target, const Making& making, const AlphaOptions& options, Parts& parts,
                  AlphaShape& shape) {
-  BOOST_OUTCOME_TRY(file,
-                    ShapePly::create(target, {.dimension = making.manifest().dimension,
-                                              .general = options.general,
-                                              .ids = making.manifest().points_read,
-                                              .comment = "alpha shape of the radius " + radius_text(shape.radius)}));
+  BOOST_OUTCOME_TRY(file, ShapePly::create(target, {.dimension = making.manifest().dimension,
+                                                    .general = options.general,
+                                                    .ids = making.manifest().points_read,
+                                                    .comment = "alpha shape of the radius " + radius_text(shape.radius),
+                                                    .stamp = stamp_of(making.manifest())}));
   Counted counted(*file, shape);
   BOOST_OUTCOME_TRYV(parts.simplices.give(counted));
   BOOST_OUTCOME_TRY(bytes, file->finish());
@@ -215,7 +216,8 @@ Status write_ply(const fs::path& target, const Making& making, const AlphaOption
 
 Status write_map(const fs::path& target, const Making& making, const AlphaOptions& options, Parts& parts,
                  AlphaShape& shape) {
-  BOOST_OUTCOME_TRY(map, ShapeMap::create(target, crs_or_none(making.manifest().crs), options.general));
+  BOOST_OUTCOME_TRY(
+      map, ShapeMap::create(target, crs_or_none(making.manifest().crs), stamp_of(making.manifest()), options.general));
   BOOST_OUTCOME_TRYV(parts.outlines->for_each([&](const OutlineRings& rings) -> Status {
     ++shape.polygons;
     shape.holes += rings.size() - 1;

@@ -49,11 +49,13 @@ class Wkb {
 
 class GdalMap : public ShapeMap {
  public:
-  static Result<std::unique_ptr<ShapeMap>> open(const fs::path& target, const std::string& crs, bool general) {
+  static Result<std::unique_ptr<ShapeMap>> open(const fs::path& target, const std::string& crs,
+                                                const ResultStamp& stamp, bool general) {
     using exports::GeoPackage;
     const bool is_package = exports::ending_of(target) == ".gpkg";
-    BOOST_OUTCOME_TRY(file, GeoPackage::create(
-                                target, crs, is_package ? GeoPackage::Kind::geopackage : GeoPackage::Kind::flatgeobuf));
+    BOOST_OUTCOME_TRY(file,
+                      GeoPackage::create(target, crs, metadata_of(stamp),
+                                         is_package ? GeoPackage::Kind::geopackage : GeoPackage::Kind::flatgeobuf));
     auto map = std::unique_ptr<GdalMap>(new GdalMap(std::move(file)));
     BOOST_OUTCOME_TRY(polygons, map->file_->add_layer("alpha_shape", wkbPolygon,
                                                       {{"vertices", OFTInteger64}, {"holes", OFTInteger64}}, true));
@@ -112,9 +114,10 @@ class GdalMap : public ShapeMap {
 // member "crs" of the specification of 2008.
 class GeoJsonMap : public ShapeMap {
  public:
-  GeoJsonMap(exports::OutputFile file, const std::string& crs) : file_(std::move(file)), stream_(file_, 0) {
+  GeoJsonMap(exports::OutputFile file, const std::string& crs, const ResultStamp& stamp)
+      : file_(std::move(file)), stream_(file_, 0) {
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" +
-                 json_text(nlohmann::json(crs)) + "}},\"features\":[");
+                 json_text(nlohmann::json(crs)) + "}},\"result\":" + json_of(stamp) + ",\"features\":[");
   }
 
   Status polygon(const OutlineRings& rings) override {
@@ -183,12 +186,13 @@ bool ShapeMap::is_map(const fs::path& target) {
   return ending == ".gpkg" || ending == ".geojson" || ending == ".json" || ending == ".fgb";
 }
 
-Result<std::unique_ptr<ShapeMap>> ShapeMap::create(const fs::path& target, const std::string& crs, bool general) {
+Result<std::unique_ptr<ShapeMap>> ShapeMap::create(const fs::path& target, const std::string& crs,
+                                                   const ResultStamp& stamp, bool general) {
   const std::string ending = exports::ending_of(target);
-  if (ending == ".gpkg" || ending == ".fgb") return GdalMap::open(target, crs, general);
+  if (ending == ".gpkg" || ending == ".fgb") return GdalMap::open(target, crs, stamp, general);
   BOOST_OUTCOME_TRY(name, crs_name_or_wkt(crs));
   BOOST_OUTCOME_TRY(file, exports::OutputFile::create(target));
-  return std::make_unique<GeoJsonMap>(std::move(file), name);
+  return std::make_unique<GeoJsonMap>(std::move(file), name, stamp);
 }
 
 }  // namespace tessera::alpha

@@ -9,6 +9,7 @@
 #include "src/base/result.h"
 #include "src/result/alpha/outlines.h"
 #include "src/result/alpha/shape_simplex.h"
+#include "src/result/store/stamp.h"
 
 namespace tessera::alpha {
 
@@ -17,10 +18,10 @@ class ShapeMap {
  public:
   // Whether the ending of the target is one of a map file.
   static bool is_map(const std::filesystem::path& target);
-  // `general`: whether singular simplices will come. Errors, here and below: io; bad_input when GDAL does not know the
-  // coordinate system.
+  // `stamp`: of the result. `general`: whether singular simplices will come. Errors, here and below: io; bad_input when
+  // GDAL does not know the coordinate system.
   static Result<std::unique_ptr<ShapeMap>> create(const std::filesystem::path& target, const std::string& crs,
-                                                  bool general);
+                                                  const ResultStamp& stamp, bool general);
   virtual ~ShapeMap() = default;
   virtual Status polygon(const OutlineRings& rings) = 0;
   // A singular edge or vertex.

@@ -22,8 +22,8 @@ class Writer : public ShapePly {
       return error(Errc::usage, file_.target().string() +
                                     ": the alpha shape has more vertices than PLY can number, which is 2^32 - 1");
     const std::uint64_t facets = counts.of(SimplexKind::facet) + counts.of(SimplexKind::singular_facet);
-    stream_.text("ply\nformat binary_little_endian 1.0\ncomment " + head_.comment + "\nelement vertex " +
-                 std::to_string(counts.vertices) +
+    stream_.text("ply\nformat binary_little_endian 1.0\ncomment " + head_.comment + "\ncomment " +
+                 comment_of(head_.stamp) + "\nelement vertex " + std::to_string(counts.vertices) +
                  "\nproperty double x\nproperty double y\nproperty double z\nproperty " +
                  (small_ids_ ? "uint" : "double") + " id\n");
     if (head_.dimension == 3)

@@ -8,6 +8,7 @@
 
 #include "src/base/result.h"
 #include "src/result/alpha/numbered_shape.h"
+#include "src/result/store/stamp.h"
 
 namespace tessera::alpha {
 
@@ -16,6 +17,7 @@ struct ShapePlyHead {
   bool general = false;
   std::uint64_t ids = 0;  // every id is less than this
   std::string comment;    // of one line
+  ResultStamp stamp;
 };
 
 // Vertices are the element "vertex" with their ids. Facets are the element "face" in 3D, and "edge" in 2D. In a general

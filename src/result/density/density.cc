@@ -17,6 +17,7 @@
 #include "src/base/option.h"
 #include "src/result/density/gridding.h"
 #include "src/result/export/ending.h"
+#include "src/result/store/stamp.h"
 #include "src/result/terrain/blocks.h"
 #include "src/result/terrain/cog_file.h"
 #include "src/result/terrain/grid.h"
@@ -67,7 +68,8 @@ Result<std::uint64_t> write_image(const fs::path& target, const GridRequest& req
                                                     .doubles = true,
                                                     .heights = false,
                                                     .cache_bytes = options.memory_bytes / 4,
-                                                    .threads = options.threads}));
+                                                    .threads = options.threads,
+                                                    .metadata = metadata_of(stamp_of(request.source.manifest()))}));
   terrain::Blocks blocks(grid);
   BOOST_OUTCOME_TRYV(gridding.for_each_run(
       options.memory_bytes / 4, [&](std::uint64_t place, std::span<const double> values) -> Status {

@@ -25,12 +25,14 @@ fs::path name_until_whole(const fs::path& path, GeoPackage::Kind kind) {
 
 }  // namespace
 
-GeoPackage::GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const fs::path& path, Kind kind)
+GeoPackage::GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const fs::path& path,
+                       MetadataItems metadata, Kind kind)
     : gdal_(gdal),
       quiet_(gdal),
       reference_(std::move(reference)),
       path_(path),
       temporary_(name_until_whole(path, kind)),
+      metadata_(std::move(metadata)),
       kind_(kind) {}
 
 GeoPackage::~GeoPackage() {
@@ -46,10 +48,11 @@ Error GeoPackage::refused(const std::string& what) const {
   return error(Errc::io, path_.string() + ": " + what + ": " + quiet_.message());
 }
 
-Result<std::unique_ptr<GeoPackage>> GeoPackage::create(const fs::path& path, const std::string& crs, Kind kind) {
+Result<std::unique_ptr<GeoPackage>> GeoPackage::create(const fs::path& path, const std::string& crs,
+                                                       MetadataItems metadata, Kind kind) {
   BOOST_OUTCOME_TRY(gdal, gdal_library());
   BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, crs));
-  auto file = std::unique_ptr<GeoPackage>(new GeoPackage(*gdal, std::move(reference), path, kind));
+  auto file = std::unique_ptr<GeoPackage>(new GeoPackage(*gdal, std::move(reference), path, std::move(metadata), kind));
   std::error_code code;
   fs::remove(file->temporary_.path(), code);
   for (const char* option : options) gdal->CPLSetThreadLocalConfigOption(option, "OFF");
@@ -75,6 +78,11 @@ Result<GeoPackage::Layer> GeoPackage::add_layer(const char* name, OGRwkbGeometry
     const bool added = gdal_.OGR_L_CreateField(to.layer, field, 0) == OGRERR_NONE;
     gdal_.OGR_Fld_Destroy(field);
     if (!added) return refused("cannot create its table");
+  }
+  if (kind_ == Kind::geopackage) {
+    for (const auto& [item, value] : metadata_)
+      if (gdal_.GDALSetMetadataItem(to.layer, item.c_str(), value.c_str(), nullptr) != CE_None)
+        return refused("cannot write the metadata of its table");
   }
   // Makes the table now and not with its first row, so that layers are in their order.
   if (gdal_.OGR_L_SyncToDisk(to.layer) != OGRERR_NONE) return refused("cannot create its table");

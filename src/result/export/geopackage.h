@@ -10,6 +10,7 @@
 #include "src/base/crs/gdal_library.h"
 #include "src/base/files/temporary.h"
 #include "src/base/result.h"
+#include "src/result/store/stamp.h"
 
 namespace tessera::exports {
 
@@ -26,10 +27,11 @@ class GeoPackage {
   };
 
   enum class Kind : std::uint8_t { geopackage, flatgeobuf };
-  // `crs` is a coordinate system as a manifest has it. A FlatGeobuf has one layer. Errors, here and below: io, with
+  // `crs` is a coordinate system as a manifest has it. Each table of a GeoPackage gets the metadata; GDAL cannot write
+  // any into a FlatGeobuf. A FlatGeobuf has one layer. Errors, here and below: io, with
   // GDAL's reason; bad_input when GDAL does not know the coordinate system.
   static Result<std::unique_ptr<GeoPackage>> create(const std::filesystem::path& path, const std::string& crs,
-                                                    Kind kind = Kind::geopackage);
+                                                    MetadataItems metadata, Kind kind = Kind::geopackage);
   ~GeoPackage();
   GeoPackage(const GeoPackage&) = delete;
   GeoPackage& operator=(const GeoPackage&) = delete;
@@ -47,7 +49,8 @@ class GeoPackage {
   Result<std::uint64_t> finish(const char* statement = nullptr);
 
  private:
-  GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const std::filesystem::path& path, Kind kind);
+  GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const std::filesystem::path& path,
+             MetadataItems metadata, Kind kind);
   Error refused(const std::string& what) const;
   void release();
   // GDAL writes the file without src/base/files. So the bytes of geometries are drawn from the thread's ledger as they
@@ -59,6 +62,7 @@ class GeoPackage {
   SpatialReference reference_;
   std::filesystem::path path_;
   TemporaryFile temporary_;
+  MetadataItems metadata_;
   Kind kind_;
   GDALDatasetH dataset_ = nullptr;
   std::vector<Layer> layers_;

@@ -254,6 +254,7 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.comment = source.options.comment;
   head.crs = crs_or_none(manifest.crs);
   head.software_version = manifest.software_version;
+  if (source.options.comment.empty()) head.stamp = stamp_of(manifest);
   head.columns = columns_of(source);
   // Cells in memory, which a query has found, have no columns.
   if (source.format.cell_columns && source.tiles != nullptr) head.cell_columns = cell_schema_of(manifest);

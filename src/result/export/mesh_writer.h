@@ -12,6 +12,7 @@
 #include "src/base/attribute.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/result/store/stamp.h"
 
 namespace tessera::exports {
 
@@ -43,6 +44,8 @@ struct MeshHead {
   std::string comment = {};                  // of one line; often empty
   std::string crs;
   std::string software_version;
+  // Of the result that was exported. None of a surface, whose comment says what the surface was made of.
+  std::optional<ResultStamp> stamp = {};
   // A sentence about the origin of the coordinates, for a comment of one line; empty without an origin.
   std::string corner_comment() const;
   std::size_t corners() const { return static_cast<std::size_t>(dimension) + 1; }

@@ -33,7 +33,7 @@ class GeoJsonWriter : public StreamWriter {
         columns_(head.columns),
         cell_columns_(head.cell_columns) {
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" + quoted(crs) +
-                 "}},\"features\":[");
+                 "}}" + (head.stamp ? ",\"result\":" + json_of(*head.stamp) : "") + ",\"features\":[");
     for (const auto& column : cell_columns_) cell_keys_.push_back("," + quoted(column.name) + ":");
     // The keys differ from each other as the attributes' names do; "tile" and "v0" end differently.
     for (const auto& column : columns_)

@@ -66,7 +66,8 @@ class WkbTriangle {
 class GeoPackageWriter : public MeshWriter {
  public:
   static OpenedWriter open(const fs::path& path, const MeshHead& head) {
-    BOOST_OUTCOME_TRY(file, GeoPackage::create(path, head.crs));
+    BOOST_OUTCOME_TRY(file,
+                      GeoPackage::create(path, head.crs, head.stamp ? metadata_of(*head.stamp) : MetadataItems{}));
     auto writer = std::unique_ptr<GeoPackageWriter>(new GeoPackageWriter(std::move(file), head));
     BOOST_OUTCOME_TRYV(writer->create());
     return std::unique_ptr<MeshWriter>(std::move(writer));

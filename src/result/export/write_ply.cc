@@ -54,6 +54,7 @@ class PlyWriter : public StreamWriter {
         small_ids_(head.ids <= std::uint64_t{1} << 32) {
     std::set<std::string> taken;
     stream_.text("ply\nformat binary_little_endian 1.0\ncomment tessera " + ply_name(head.software_version, taken) +
+                 (head.stamp ? "\ncomment " + comment_of(*head.stamp) : "") +
                  (head.corner ? "\ncomment " + head.corner_comment() : "") +
                  (head.comment.empty() ? "" : "\ncomment " + head.comment) + "\nelement vertex " +
                  std::to_string(head.vertices) +

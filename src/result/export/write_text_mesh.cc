@@ -57,7 +57,10 @@ class TextMeshWriter : public StreamWriter {
   bool any_cells_ = false;
 };
 
-std::string comment(const MeshHead& head) { return head.corner ? "# " + head.corner_comment() + "\n" : ""; }
+std::string comments(const MeshHead& head) {
+  return (head.stamp ? "# " + comment_of(*head.stamp) + "\n" : "") +
+         (head.corner ? "# " + head.corner_comment() + "\n" : "");
+}
 
 OpenedWriter open_text(const std::filesystem::path& path, const MeshHead& head, Syntax syntax) {
   BOOST_OUTCOME_TRY(file, OutputFile::create(path));
@@ -68,7 +71,7 @@ OpenedWriter open_text(const std::filesystem::path& path, const MeshHead& head, 
 
 OpenedWriter open_off(const std::filesystem::path& path, const MeshHead& head) {
   return open_text(path, head,
-                   {.before_vertices = "OFF\n" + comment(head) + std::to_string(head.vertices) + " " +
+                   {.before_vertices = "OFF\n" + comments(head) + std::to_string(head.vertices) + " " +
                                        std::to_string(head.cells) + " 0\n",
                     .vertex_start = "",
                     .vertex_end = "\n",
@@ -81,7 +84,7 @@ OpenedWriter open_off(const std::filesystem::path& path, const MeshHead& head) {
 
 OpenedWriter open_obj(const std::filesystem::path& path, const MeshHead& head) {
   return open_text(path, head,
-                   {.before_vertices = "# tessera " + head.software_version + "\n" + comment(head),
+                   {.before_vertices = "# tessera " + head.software_version + "\n" + comments(head),
                     .vertex_start = "v ",
                     .vertex_end = "\n",
                     .before_cells = "",

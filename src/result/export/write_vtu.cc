@@ -26,6 +26,9 @@ struct VtuArray {
 constexpr const char* xml_start = "<?xml version=\"1.0\"?>\n<VTKFile type=\"";
 constexpr const char* xml_version = "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
 
+// A comment, and no field data: readers such as meshio refuse arrays of text.
+std::string xml_comment(const MeshHead& head) { return head.stamp ? "<!-- " + comment_of(*head.stamp) + " -->\n" : ""; }
+
 // Writes one stream for each array.
 class VtuWriter : public MeshWriter {
  public:
@@ -102,11 +105,12 @@ class VtuWriter : public MeshWriter {
                              "\" format=\"appended\" offset=\"" + std::to_string(offset) + "\"/>\n");
       offset += 8 + array.bytes;
     }
-    std::string text =
-        xml_start + std::string("UnstructuredGrid") + xml_version + "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
-        std::to_string(head.vertices) + "\" NumberOfCells=\"" + std::to_string(head.cells) + "\">\n<Points>\n" +
-        declarations[0] + "</Points>\n<Cells>\n" + declarations[1] + declarations[2] + declarations[3] +
-        "</Cells>\n<CellData>\n" + declarations[4] + declarations[5] + (head.final ? declarations.back() : "");
+    std::string text = xml_start + std::string("UnstructuredGrid") + xml_version + xml_comment(head) +
+                       "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(head.vertices) +
+                       "\" NumberOfCells=\"" + std::to_string(head.cells) + "\">\n<Points>\n" + declarations[0] +
+                       "</Points>\n<Cells>\n" + declarations[1] + declarations[2] + declarations[3] +
+                       "</Cells>\n<CellData>\n" + declarations[4] + declarations[5] +
+                       (head.final ? declarations.back() : "");
     const std::size_t vertices_end = 7 + head.columns.size();
     for (std::size_t i = 0; i < head.cell_columns.size(); ++i) text += declarations[vertices_end + i];
     text += "</CellData>\n<PointData>\n";
@@ -134,7 +138,7 @@ OpenedWriter open_vtu(const std::filesystem::path& path, const MeshHead& head) {
 
 std::string pvtu_index(const MeshHead& head, const std::vector<std::string>& files) {
   std::string text =
-      xml_start + std::string("PUnstructuredGrid") + xml_version +
+      xml_start + std::string("PUnstructuredGrid") + xml_version + xml_comment(head) +
       "<PUnstructuredGrid GhostLevel=\"0\">\n<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" "
       "NumberOfComponents=\"3\"/>\n</PPoints>\n<PPointData>\n<PDataArray type=\"UInt64\" Name=\"id\"/>\n";
   for (const auto& column : head.columns)

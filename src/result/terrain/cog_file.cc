@@ -175,6 +175,8 @@ Result<std::uint64_t> CogFile::finish(const std::function<bool(double)>& told) {
   if (options_.light) {
     BOOST_OUTCOME_TRYV(shade([&](double done) { return told(shading_part * done); }));
   }
+  for (const auto& [name, value] : options_.metadata)
+    if (gdal_.GDALSetMetadataItem(dataset_, name.c_str(), value.c_str(), nullptr) != CE_None) return refused(quiet);
   const auto go_on = [&](double done) { return told(shading_part + (1 - shading_part) * done); };
   // For 4 M pixels, GDAL's level 6 takes a third longer and makes the file 1 % smaller.
   Choices choices({"COMPRESS=DEFLATE", "LEVEL=1", "PREDICTOR=YES", "BIGTIFF=IF_SAFER", "OVERVIEWS=AUTO",

@@ -9,12 +9,14 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/base/crs/gdal_cache.h"
 #include "src/base/crs/gdal_library.h"
 #include "src/base/files/temporary.h"
 #include "src/base/result.h"
+#include "src/result/store/stamp.h"
 #include "src/result/terrain/blocks.h"
 #include "src/result/terrain/dem.h"
 #include "src/result/terrain/grid.h"
@@ -29,6 +31,7 @@ struct CogOptions {
   std::optional<Light> light = {};  // if set, the file has the hillshade of the pixels, 1..255; 0: none
   std::uint64_t cache_bytes = std::uint64_t{64} << 20;  // of GDAL
   unsigned threads = 1;
+  MetadataItems metadata = {};
 };
 
 class CogFile {
@@ -42,6 +45,8 @@ class CogFile {
 
   // Takes the drawn pixels. Safe to call from several threads. Error corrupt when a pixel has come before.
   Status add(Blocks& blocks);
+  // For a result whose digest is known only when all its tiles have come.
+  void set_metadata(MetadataItems metadata) { options_.metadata = std::move(metadata); }
   std::uint64_t pixels() const { return pixels_; }  // with a value, so far
 
   // Compresses, makes the overviews, and gives the file its name. Calls `go_on` with the fraction that is done; when it

@@ -13,6 +13,7 @@
 #include "src/result/export/output.h"
 #include "src/result/query/column.h"
 #include "src/result/query/query_tile.h"
+#include "src/result/store/stamp.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/terrain/contour_cells.h"
 #include "src/result/terrain/line_file.h"
@@ -126,6 +127,7 @@ Result<Contours> write_contours(const fs::path& out, const fs::path& target, con
   BOOST_OUTCOME_TRY(file, terrain::LineFile::create(target, {.crs = crs_or_none(traced.manifest.crs),
                                                              .layer = "contours",
                                                              .value = heights ? "elevation" : options.value,
+                                                             .stamp = stamp_of(traced.manifest),
                                                              .heights = heights}));
   Contours contours{
       .path = target, .left_out = traced.left_out, .note = terrain::note_of(traced.manifest, source_box(options))};

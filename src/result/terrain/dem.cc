@@ -5,6 +5,7 @@
 #include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,8 @@
 #include "src/base/option.h"
 #include "src/result/export/ending.h"
 #include "src/result/query/column.h"
+#include "src/result/store/digest.h"
+#include "src/result/store/stamp.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/terrain/blocks.h"
 #include "src/result/terrain/cog_file.h"
@@ -105,12 +108,23 @@ class DemMaker::Impl {
                                                       .heights = options.value == "z" && !options.light,
                                                       .light = options.light,
                                                       .cache_bytes = options.memory_bytes / 4,
-                                                      .threads = options.threads}));
+                                                      .threads = options.threads,
+                                                      .metadata = metadata_of(stamp_of(asked.manifest))}));
     return std::unique_ptr<Impl>(new Impl(out, std::move(asked), target, options, stop, std::move(file)));
   }
 
   // REQUIRES: the method is linear.
   Status draw(const StoredTile& cells) { return drawing_.run(cells); }
+  // The same with a tile of a result that is being made: the digest of the result is the sum of those of its tiles.
+  Status draw_new(const StoredTile& tile) {
+    const Digest digest = digest_of(tile.mesh);
+    {
+      const std::lock_guard lock(mutex_);
+      digest_ = digest_.value_or(Digest{});
+      *digest_ += digest;
+    }
+    return draw(tile);
+  }
   Status draw(const TileSource& source) {
     BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked_, source, options_, stop_));
     TileQueue tiles(source, std::move(entries), stop_, [&](double done) {
@@ -120,6 +134,10 @@ class DemMaker::Impl {
   }
 
   Result<Dem> finish() {
+    if (digest_) {
+      asked_.manifest.digest = digest_;
+      file_->set_metadata(metadata_of(stamp_of(asked_.manifest)));
+    }
     BOOST_OUTCOME_TRY(bytes, file_->finish([&](double done) {
       if (options_.progress) options_.progress(terrain::drawing_part + (1 - terrain::drawing_part) * done);
       return !stop_.stop_requested();
@@ -156,6 +174,8 @@ class DemMaker::Impl {
   std::unique_ptr<terrain::CogFile> file_;
   terrain::Drawing drawing_;  // refers to the members above
   terrain::NaturalDrawing natural_;
+  std::mutex mutex_;
+  std::optional<Digest> digest_;  // of the tiles that were drawn new
 };
 
 DemMaker::DemMaker(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -168,7 +188,7 @@ Result<std::unique_ptr<DemMaker>> DemMaker::begin(const fs::path& name, const Ma
   return std::unique_ptr<DemMaker>(new DemMaker(std::move(impl)));
 }
 
-Status DemMaker::use(const StoredTile& cells) { return impl_->draw(cells); }
+Status DemMaker::use(const StoredTile& cells) { return impl_->draw_new(cells); }
 
 Result<Dem> DemMaker::finish() { return impl_->finish(); }
 

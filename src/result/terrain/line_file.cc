@@ -72,7 +72,7 @@ class GeoJsonLines : public LineFile {
         index_key_(quoted(index_field(options.value))),
         heights_(options.heights) {
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" + quoted(crs) +
-                 "}},\"features\":[");
+                 "}},\"result\":" + json_of(options.stamp) + ",\"features\":[");
   }
 
   Status add(double value, bool index, std::span<const Point> points) override {
@@ -123,7 +123,7 @@ Status LineFile::check_target(const fs::path& target, bool overwrite) {
 
 Result<std::unique_ptr<LineFile>> LineFile::create(const fs::path& target, const LineFileOptions& options) {
   if (exports::ending_of(target) == ".gpkg") {
-    BOOST_OUTCOME_TRY(file, exports::GeoPackage::create(target, options.crs));
+    BOOST_OUTCOME_TRY(file, exports::GeoPackage::create(target, options.crs, metadata_of(options.stamp)));
     BOOST_OUTCOME_TRY(
         layer,
         file->add_layer(options.layer.c_str(), options.heights ? wkbLineString25D : wkbLineString,

@@ -9,6 +9,7 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/result/store/stamp.h"
 
 namespace tessera::terrain {
 
@@ -16,6 +17,7 @@ struct LineFileOptions {
   std::string crs;         // as a manifest has it
   std::string layer;       // its name
   std::string value;       // the name of the lines' attribute beside `index`
+  ResultStamp stamp;       // of the result
   bool heights = true;     // whether that attribute is the lines' height
   bool overwrite = false;  // replace an existing file
 };

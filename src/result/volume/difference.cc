@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "src/base/crs/gdal_library.h"
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
+#include "src/result/store/stamp.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/terrain/blocks.h"
 #include "src/result/terrain/cell_raster.h"
@@ -210,6 +212,7 @@ Result<Dem> write_difference(const fs::path& a, const std::optional<fs::path>& b
   const Manifest& manifest = source.manifest();
   std::optional<Bounds> box = manifest.bounds;
   std::unique_ptr<volume::Heights> lower;
+  std::optional<ResultStamp> of_lower;
   if (options.plane) lower = std::make_unique<volume::LevelHeights>(*options.plane);
   if (!options.base.empty()) {
     BOOST_OUTCOME_TRY(
@@ -223,6 +226,7 @@ Result<Dem> write_difference(const fs::path& a, const std::optional<fs::path>& b
     BOOST_OUTCOME_TRY(other, TileSource::open(*b));
     BOOST_OUTCOME_TRYV(check_same_system(a, manifest.crs, *b, other.manifest().crs));
     box = volume::common(*box, other.manifest().bounds);
+    of_lower = stamp_of(other.manifest());
   }
   if (!box)
     return error(Errc::usage,
@@ -242,7 +246,8 @@ Result<Dem> write_difference(const fs::path& a, const std::optional<fs::path>& b
                                                     .name = "difference",
                                                     .heights = false,
                                                     .cache_bytes = options.memory_bytes / 4,
-                                                    .threads = options.threads}));
+                                                    .threads = options.threads,
+                                                    .metadata = metadata_of(stamp_of(manifest), of_lower)}));
   BOOST_OUTCOME_TRYV(drawing.subtract(*upper, *lower, grid, *file));
   BOOST_OUTCOME_TRY(bytes, file->finish([&](double done) {
     drawing.tell(0.9 + 0.1 * done);

@@ -108,7 +108,7 @@ nlohmann::ordered_json json_of(const Volumes& volumes) {
 }
 
 Status write_geopackage(const Volumes& volumes, const fs::path& target) {
-  BOOST_OUTCOME_TRY(file, exports::GeoPackage::create(target, crs_or_none(volumes.crs)));
+  BOOST_OUTCOME_TRY(file, exports::GeoPackage::create(target, crs_or_none(volumes.crs), {}));
   std::vector<exports::GeoPackage::Field> fields{{"polygon", OFTInteger64}, {"name", OFTString}};
   for (const TableColumn& column : columns) fields.push_back({column.name, OFTReal});
   BOOST_OUTCOME_TRY(layer, file->add_layer("volumes", wkbUnknown, fields, true));

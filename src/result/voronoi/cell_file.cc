@@ -123,7 +123,7 @@ class GeoJsonCells : public CellFile {
     for (const char* name : first_fields) keys_.push_back(quoted(name));
     for (const auto& name : attribute_fields(schema_)) keys_.push_back(quoted(name));
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" + quoted(crs) +
-                 "}},\"features\":[");
+                 "}},\"result\":" + json_of(options.stamp) + ",\"features\":[");
   }
 
   Status add(const CellRecord& record) override {
@@ -233,8 +233,8 @@ class CsvCells : public CellFile {
 };
 
 template <class File>
-Result<std::unique_ptr<CellFile>> create_map(const fs::path& target, const CellFileOptions& options) {
-  BOOST_OUTCOME_TRY(file, File::create(target, options.crs));
+Result<std::unique_ptr<CellFile>> create_map(Result<std::unique_ptr<File>> created, const CellFileOptions& options) {
+  BOOST_OUTCOME_TRY(file, std::move(created));
   const auto type = options.multi ? wkbMultiPolygon : wkbPolygon;
   BOOST_OUTCOME_TRY(layer, file->add_layer("cells", type, map_fields(options.schema), true));
   BOOST_OUTCOME_TRYV(file->begin());
@@ -254,8 +254,9 @@ Status CellFile::check_ending(const fs::path& target) {
 
 Result<std::unique_ptr<CellFile>> CellFile::create(const fs::path& target, const CellFileOptions& options) {
   const std::string ending = exports::ending_of(target);
-  if (ending == ".gpkg") return create_map<exports::GeoPackage>(target, options);
-  if (ending == ".fgb") return create_map<FlatGeobuf>(target, options);
+  if (ending == ".gpkg")
+    return create_map(exports::GeoPackage::create(target, options.crs, metadata_of(options.stamp)), options);
+  if (ending == ".fgb") return create_map(FlatGeobuf::create(target, options.crs), options);
   if (ending == ".csv") {
     BOOST_OUTCOME_TRY(file, exports::OutputFile::create(target));
     return std::unique_ptr<CellFile>(std::make_unique<CsvCells>(std::move(file), options));

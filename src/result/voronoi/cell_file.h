@@ -9,12 +9,14 @@
 
 #include "src/base/attribute.h"
 #include "src/base/result.h"
+#include "src/result/store/stamp.h"
 #include "src/result/voronoi/cell_records.h"
 
 namespace tessera::voronoi {
 
 struct CellFileOptions {
-  std::string crs;  // as a manifest has it
+  std::string crs;    // as a manifest has it
+  ResultStamp stamp;  // of the result
   bool multi = false;
   std::vector<Attribute> schema;  // of the points
 };

@@ -15,6 +15,7 @@
 #include "src/base/option.h"
 #include "src/result/export/ending.h"
 #include "src/result/export/output.h"
+#include "src/result/store/stamp.h"
 #include "src/result/tile_queue.h"
 #include "src/result/voronoi/cell_file.h"
 #include "src/result/voronoi/planar_cells.h"
@@ -204,12 +205,14 @@ Result<WrittenVoronoi> write_voronoi(const fs::path& out, const fs::path& target
     return error(Errc::usage, options.clip == VoronoiClip::box || options.clip == VoronoiClip::file
                                   ? option("clip") + ": no cell of the result meets it"
                                   : out.string() + ": has no bounded cell; give " + option("clip") + " a box");
-  BOOST_OUTCOME_TRY(
-      file, flat ? voronoi::CellFile::create(target, {.crs = crs_or_none(manifest.crs),
-                                                      .multi = options.clip == VoronoiClip::file,
-                                                      .schema = manifest.schema})
-                 : voronoi::create_vtu_cells(
-                       target, {.schema = manifest.schema, .memory_bytes = options.memory_bytes / 2, .stop = stop}));
+  BOOST_OUTCOME_TRY(file, flat ? voronoi::CellFile::create(target, {.crs = crs_or_none(manifest.crs),
+                                                                    .stamp = stamp_of(manifest),
+                                                                    .multi = options.clip == VoronoiClip::file,
+                                                                    .schema = manifest.schema})
+                               : voronoi::create_vtu_cells(target, {.stamp = stamp_of(manifest),
+                                                                    .schema = manifest.schema,
+                                                                    .memory_bytes = options.memory_bytes / 2,
+                                                                    .stop = stop}));
   WrittenVoronoi written{.path = target,
                          .dimension = manifest.dimension,
                          .unbounded = counts.unbounded,

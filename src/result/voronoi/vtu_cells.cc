@@ -230,9 +230,9 @@ class VtuCells : public CellFile {
     }
     std::string text =
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
-        std::to_string(points_) + "\" NumberOfCells=\"" + std::to_string(cells_) + "\">\n<Points>\n" +
-        declared[points] + "</Points>\n<Cells>\n";
+        "header_type=\"UInt64\">\n<!-- " +
+        comment_of(options_.stamp) + " -->\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(points_) +
+        "\" NumberOfCells=\"" + std::to_string(cells_) + "\">\n<Points>\n" + declared[points] + "</Points>\n<Cells>\n";
     for (std::size_t i = connectivity; i < layout; ++i) text += declared[i];
     text += "</Cells>\n<CellData>\n";
     for (std::size_t i = first_column; i < declared.size(); ++i) text += declared[i];

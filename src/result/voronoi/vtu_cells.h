@@ -20,6 +20,7 @@
 namespace tessera::voronoi {
 
 struct VtuCellsOptions {
+  ResultStamp stamp;              // of the result
   std::vector<Attribute> schema;  // of the points
   std::uint64_t memory_bytes = 0;
   std::stop_token stop = {};

@@ -12,9 +12,8 @@
 #include "src/base/files/update_names.h"
 #include "src/base/json/json_text.h"
 #include "src/job/engine_steps.h"
-#include "src/job/estimate.h"
+#include "src/job/told_update.h"
 #include "src/job/version.h"
-#include "src/result/store/digest.h"
 #include "src/result/version_log.h"
 #include "src/service/problem.h"
 #include "src/service/processes/disk_watch.h"
@@ -58,74 +57,23 @@ Error in_words(const Workshop& shop, const proto::JobRecord& job, Error failed) 
   return failed;
 }
 
-UpdateJson counts_of(const Manifest& manifest) {
-  UpdateJson told{{"tiles", manifest.tiles.size()}, {"vertices", manifest.vertices}, {"cells", manifest.cells}};
-  if (manifest.digest) told["digest"] = digest_text(*manifest.digest);
-  return told;
-}
-
 // What is told of a change whose job has ended after the change was made, and before that was written down.
-Result<std::optional<UpdateJson>> told_of_made(const Workshop& shop, const proto::JobRecord& job) {
+Result<std::optional<UpdateJson>> told_if_made(const Workshop& shop, const proto::JobRecord& job) {
   const std::optional<UpdateJson> none;
   if (job.starts() < 2) return none;
-  UpdateJson told{{"event", "updated"}, {"output", job.triangulation()}};
   if (makes_result(job.inputs())) {
     const auto unfinished = shop.results.unfinished(job.id());
     BOOST_OUTCOME_TRY(whole, is_there(unfinished));
     BOOST_OUTCOME_TRY(published, shop.results.is_published(job.id(), job.triangulation()));
     if (!whole && !published) return none;
     BOOST_OUTCOME_TRY(manifest, read_manifest(whole ? unfinished : shop.results.folder(job.triangulation())));
-    told["version"] = manifest.version;
-    told.update(counts_of(manifest));
-    return std::optional(std::move(told));
+    return std::optional(told_of_made(entry_of(manifest, 0), job.triangulation()));
   }
   BOOST_OUTCOME_TRY(versions, tell_versions(shop.results.folder(job.triangulation())));
   const auto made = std::ranges::find_if(
       versions.versions, [&](const ToldVersion& version) { return ResultFolders::is_of(version.entry.command, job); });
   if (made == versions.versions.end()) return none;
-  const VersionEntry& entry = made->entry;
-  told["version"] = entry.version;
-  told["removed"] = entry.removed;
-  told["added"] = entry.added;
-  told["tiles_changed"] = entry.tiles_written;
-  told["tiles"] = entry.tiles;
-  told["vertices"] = entry.vertices;
-  told["cells"] = entry.cells;
-  if (entry.digest) told["digest"] = digest_text(*entry.digest);
-  return std::optional(std::move(told));
-}
-
-// The same members as the command prints.
-UpdateJson told_of(const proto::JobRecord& job, const UpdateRequest& request, const ResultChange& change,
-                   const Updated& updated, int dimension) {
-  const bool dry = job.inputs().update().dry_run();
-  UpdateJson told{{"event", dry ? "would_update" : "updated"}};
-  if (!dry) told["output"] = job.triangulation();
-  if (!dry) told["version"] = updated.version;
-  told["removed"] = updated.removed;
-  told["added"] = change.add.size();
-  told["first_new_id"] = updated.first_new;
-  told["duplicates"] = updated.duplicates;
-  told["way"] = updated.anew ? "anew" : "exchange";
-  told["tiles_begun"] = updated.begun;
-  told["tiles_awake"] = updated.awake;
-  told["tiles_changed"] = updated.written;
-  told["points_sent"] = updated.exchange.sent;
-  if (dry) {
-    const std::uint64_t limit = updated.old_points / std::max<std::uint64_t>(updated.awake, 1) + 1;
-    told["estimated"] = updated.estimated;
-    told["bytes"] = updated.old_bytes;
-    told["seconds"] = tessera::estimate(dimension, KernelKind::flat, TileKind::cells, updated.old_points, limit, true,
-                                        0, {request.share.memory_bytes, request.share.threads})
-                          .seconds;
-    return told;
-  }
-  told["tiles_split"] = updated.split;
-  told["tiles"] = updated.tiles;
-  told["vertices"] = updated.vertices;
-  told["cells"] = updated.cells;
-  if (updated.digest) told["digest"] = digest_text(*updated.digest);
-  return told;
+  return std::optional(told_of_made(made->entry, job.triangulation()));
 }
 
 UpdateOptions options_of_update(const Workshop& shop, const JobWork& work, const UpdateRequest& request) {
@@ -167,13 +115,18 @@ Result<UpdateJson> change_result(const Workshop& shop, const JobWork& work, cons
   BOOST_OUTCOME_TRY(done, std::move(updated));
   // A new version is there for good, whatever it has taken; what has no name yet can still be refused.
   if (!bounded && !options.to.empty()) return bounded.error();
-  return told_of(work.job, request, made.change, done, manifest->dimension);
+  return told_of(done, {.output = work.job.triangulation(),
+                        .dry_run = options.dry_run,
+                        .added = made.change.add.size(),
+                        .dimension = manifest->dimension,
+                        .memory_bytes = request.share.memory_bytes,
+                        .threads = request.share.threads});
 }
 
 Reply<JobDone> run_update(const Workshop& shop, const JobWork& work) {
   const auto request = update_request(work.job.inputs().update(), shop.share);
   if (!request) return problem_of(request.error());
-  auto made = told_of_made(shop, work.job);
+  auto made = told_if_made(shop, work.job);
   if (!made) return problem_of(made.error());
   if (made.value()) {
     if (const Status gone = shop.results.drop_change(work.job.id()); !gone) work.log(gone.error().where);
