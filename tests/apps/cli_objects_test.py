@@ -218,6 +218,17 @@ class Objects(CliTest):
         done = self.run_tessera("info", server.url(COPC.name), "--stats")
         self.assertIn(done.returncode, (0, BAD_INPUT, IO), done.stderr)
 
+    def test_commands_that_triangulate_first_take_objects(self):
+        file = CLOUDS / "ign_77050_627755.laz"
+        server = self.serve(file)
+        for command, *options in (("dem", "--res", "2", "-o", "a.tif"), ("export", "--dim", "2", "-o", "a.ply")):
+            made = []
+            for source in (file, server.url(file.name)):
+                self.ok(command, source, *options, "--quiet", "--overwrite")
+                made.append((self.folder / options[-1]).read_bytes())
+            with self.subTest(command=command):
+                self.assertEqual(made[0], made[1])
+
     def test_ctrl_c_ends_a_command_that_waits_for_a_server(self):
         for first in (0, 1):  # while the object is opened, and while its points are read
             server, asked, over = self.serve(COPC), threading.Event(), threading.Event()
