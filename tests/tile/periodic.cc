@@ -7,20 +7,11 @@
 
 #include "src/base/check.h"
 #include "src/geometry/predicates/independent/predicates.h"
-#include "src/geometry/reference/reference.h"
 #include "src/tiling/tile/rebuild.h"
 #include "tests/tile/setting.h"
 
 namespace tessera::testing {
 namespace {
-
-PeriodicCell canonical(PeriodicCell cell, int corners) {
-  const auto end = cell.begin() + corners;
-  const PeriodOffset first = std::min_element(cell.begin(), end)->second;
-  for (auto v = cell.begin(); v != end; ++v) v->second = v->second - first;
-  std::sort(cell.begin(), end);
-  return cell;
-}
 
 // Its points span the axes without a period; the images of the first span the others.
 std::vector<std::size_t> spanning(const PeriodicCloud& cloud, std::size_t first) {
@@ -225,56 +216,6 @@ class Tiles {
 };
 
 }  // namespace
-
-std::vector<PeriodicCell> periodic_delaunay(const PeriodicCloud& cloud, int copies) {
-  // Copies have ids of their own.
-  const auto along = [&](std::size_t axis) { return cloud.period.length[axis] > 0 ? copies / 2 : 0; };
-  std::vector<LocalPoint> all;
-  std::vector<std::pair<PointId, PeriodOffset>> what;
-  for (int x = -along(0); x <= along(0); ++x) {
-    for (int y = -along(1); y <= along(1); ++y) {
-      for (int z = -along(2); z <= along(2); ++z) {
-        for (const LocalPoint& p : cloud.points) {
-          const PeriodOffset o{{x, y, z}};
-          all.push_back({cloud.period.shifted(p.at, o), PointId{all.size()}});
-          what.emplace_back(p.id, o);
-        }
-      }
-    }
-  }
-  const auto corners = static_cast<std::size_t>(cloud.dimension) + 1;
-  std::vector<PeriodicCell> out;
-  for (const IdCell& cell : global_delaunay(all, cloud.dimension)) {
-    PeriodicCell c{};
-    bool here = false;
-    for (std::size_t i = 0; i < corners; ++i) {
-      c[i] = what[cell[i].value];
-      here |= c[i].second == PeriodOffset{};
-    }
-    if (here) out.push_back(canonical(c, cloud.dimension + 1));
-  }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
-  return out;
-}
-
-std::vector<PeriodicCell> periodic_main_cells(std::span<const TileMesh> meshes) {
-  std::vector<PeriodicCell> out;
-  for (const TileMesh& mesh : meshes) {
-    const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
-    for (std::size_t c = 0; c < mesh.cell_ghost.size(); ++c) {
-      if (mesh.cell_ghost[c] != 0) continue;
-      PeriodicCell cell{};
-      for (std::size_t i = 0; i < corners; ++i) {
-        const auto v = static_cast<std::size_t>(mesh.cells[c * corners + i]);
-        cell[i] = {mesh.ids[v], image::offset(mesh.offsets.empty() ? 0 : mesh.offsets[v])};
-      }
-      out.push_back(canonical(cell, mesh.dimension + 1));
-    }
-  }
-  std::sort(out.begin(), out.end());
-  return out;
-}
 
 std::vector<TileMesh> periodic_splay(const PeriodicCloud& cloud, const PeriodicOptions& options) {
   return Tiles(cloud, options).run();

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "src/base/image.h"
+#include "src/result/store/digest.h"
 #include "tests/tile/splay.h"
 
 namespace tessera::testing {
@@ -181,6 +182,31 @@ TEST(PeriodicLattice, IsRightFromOnePointOnForOneTileAndMany) {
       }
     }
   }
+}
+
+Digest digest_of_tiles(const PeriodicCloud& cloud, std::uint32_t tiles) {
+  PeriodicOptions options;
+  options.tiles = tiles;
+  options.how = "stripes";
+  Digest sum;
+  for (const TileMesh& mesh : periodic_splay(cloud, options)) sum += digest_of(mesh);
+  return sum;
+}
+
+// The copy of a cell that is main follows the tiles. The digest does not.
+TEST(PeriodicDigest, IsTheSameForAnyTilesAndKnowsOffsets) {
+  PeriodicCloud cloud = lattice(3, 3, 24);
+  const Digest one = digest_of_tiles(cloud, 1);
+  EXPECT_EQ(digest_of_tiles(cloud, 2), one);
+  EXPECT_EQ(digest_of_tiles(cloud, 7), one);
+  // A cell that is the same set of points, but not of images.
+  PeriodicOptions options;
+  TileMesh mesh = periodic_splay(cloud, options).front();
+  ASSERT_EQ(digest_of(mesh), one);
+  const auto shifted = std::find_if(mesh.offsets.begin(), mesh.offsets.end(), [](auto code) { return code != 0; });
+  ASSERT_NE(shifted, mesh.offsets.end());
+  *shifted = static_cast<std::uint8_t>(*shifted % 26 + 1);
+  EXPECT_NE(digest_of(mesh), one);
 }
 
 // Enough points that most cells are final, and that no tile knows all.
