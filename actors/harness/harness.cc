@@ -7,6 +7,7 @@
 #include "actors/harness/life.h"
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/setting.h"
+#include "src/geometry/reference/periodic_reference.h"
 #include "src/geometry/reference/reference.h"
 
 namespace tessera {
@@ -85,7 +86,10 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   if (storage.holds_mail()) return fail("mail is left on scratch");
   std::vector<TileMesh> meshes;
   for (const auto& [tile, mesh] : storage.meshes()) meshes.push_back(mesh);
-  const std::string wrong = difference(global_delaunay(setting.cloud, options.dimension), main_cells(meshes));
+  const std::string wrong = options.periodic
+                                ? difference(periodic_delaunay({options.dimension, setting.period, setting.cloud}),
+                                             periodic_main_cells(meshes))
+                                : difference(global_delaunay(setting.cloud, options.dimension), main_cells(meshes));
   if (!wrong.empty()) return fail(wrong);
   if (const std::string differs = later ? later->wrong(storage.meshes()) : ""; !differs.empty()) return fail(differs);
   ++report.seeds;

@@ -59,6 +59,7 @@ struct HarnessOptions {
   std::size_t points = 40;
   std::uint32_t tiles = 7;
   PartitionKind partition = PartitionKind::kdtree;
+  bool periodic = false;                        // each seed draws periods, along some axes or all; without later stages
   std::uint32_t nodes = 0;                      // 0: drawn, 1 to 3
   std::optional<std::uint64_t> mail_bytes_max;  // that a tile keeps in memory; no value: drawn
   HarnessFaults faults;

@@ -6,6 +6,7 @@
 
 #include "src/delaunay/run/touching.h"
 #include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/periodic_reference.h"
 #include "src/tiling/affine_basis.h"
 #include "src/tiling/seed_finder.h"
 
@@ -22,6 +23,22 @@ void add_random_seeds(const std::vector<LocalPoint>& cloud, const Partition& par
     const double reach = std::hypot(p.at.x - other.x, p.at.y - other.y, p.at.z - other.z);
     seeds.push_back({{p.at, p.id, partition.tile_of(p.at), 0}, reach});
   }
+}
+
+// Periods of which some fold the cloud upon itself, and some leave room. Lattices stay lattices.
+void make_periodic(int dimension, std::mt19937_64& rng, Setting& s) {
+  Bounds bounds;
+  for (const LocalPoint& p : s.cloud) bounds.add(p.at);
+  const auto axes = static_cast<std::uint64_t>(dimension);
+  const std::uint64_t all = (std::uint64_t{1} << axes) - 1, drawn = rng() % 2 == 0 ? all : 1 + rng() % all;
+  Period period;
+  for (int axis = 0; axis < dimension; ++axis) {
+    const double size = bounds.hi[axis] - bounds.lo[axis], room[] = {size + 1, size * 2, size / 2, size / 16};
+    if ((drawn >> axis & 1) != 0) period.length[static_cast<std::size_t>(axis)] = room[rng() % 4];
+  }
+  PeriodicCloud cloud = wrapped(dimension, s.cloud, period);
+  s.cloud = std::move(cloud.points);
+  s.period = cloud.period;
 }
 
 }  // namespace
@@ -56,6 +73,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   Setting s;
   const int d = options.dimension;
   s.cloud = make_cloud(options.kind, d, options.points, seed);
+  if (options.periodic) make_periodic(d, rng, s);
   std::vector<Point> sample;
   Bounds bounds;
   for (const LocalPoint& p : s.cloud) {
@@ -81,11 +99,12 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.stage.reduce = rng() % 2 == 0;
   s.stage.early_points = rng() % 2 == 0 ? 0 : 1 + rng() % 16;
   s.stage.early_unit = 1 + rng() % 3;
-  s.stage.boxes = final_boxes(cells);
-  auto neighbours = touching_tiles(partition, tile_bounds);
+  s.stage.boxes = final_boxes(cells, s.period);
+  auto neighbours = touching_tiles(partition, tile_bounds, s.period);
   // No first exchange: the result depends on the rule alone.
   if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});
-  s.stage.around = std::make_shared<const KnownFromStart>(std::move(tile_bounds), neighbours, std::move(known));
+  s.stage.around =
+      std::make_shared<const KnownFromStart>(std::move(tile_bounds), neighbours, std::move(known), s.period);
   constexpr std::uint64_t mail_bounds[] = {0, 120, 800, ~std::uint64_t{0}};
   s.context.mail_bytes_max = options.mail_bytes_max.value_or(mail_bounds[rng() % 4]);
   s.schedule.threads = 1 + static_cast<std::uint32_t>(rng() % 4);

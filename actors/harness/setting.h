@@ -9,6 +9,7 @@
 
 #include "actors/harness/harness.h"
 #include "actors/harness/memory_storage.h"
+#include "src/base/image.h"
 #include "src/delaunay/delaunay_program.h"
 #include "src/exchange/share.h"
 #include "src/tiling/partition.h"
@@ -17,6 +18,7 @@ namespace tessera {
 
 struct Setting {
   std::vector<LocalPoint> cloud;
+  Period period;  // of the cloud
   std::vector<std::vector<LocalPoint>> tiles;
   std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // number of points of each tile
   ShareSpec spec;

@@ -21,6 +21,7 @@
 #include "src/delaunay/delaunay_program.h"
 #include "src/delaunay/run/touching.h"
 #include "src/exchange/tile_life.h"
+#include "src/geometry/reference/periodic_reference.h"
 #include "src/input/generate/generate.h"
 #include "src/result/store/digest.h"
 #include "src/tiling/affine_basis.h"
@@ -33,7 +34,7 @@ struct Options {
   std::string kind = "uniform", partition = "kdtree";
   std::uint64_t points = 1'000'000, seed = 7, tiles = 8;
   int dimension = 3;
-  bool seeds = true, announce = true, sleep = false;
+  bool seeds = true, announce = true, sleep = false, periodic = false;
 };
 
 double cpu_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -69,27 +70,31 @@ Result<std::vector<LocalPoint>> cloud_of(const Options& o) {
 
 class Exchange {
  public:
-  Exchange(const Options& o, const std::vector<LocalPoint>& cloud, const std::shared_ptr<const Partition>& cells)
+  Exchange(const Options& o, const std::vector<LocalPoint>& cloud, const std::shared_ptr<const Partition>& cells,
+           const Period& period)
       : o_(o), points_(cells->tiles()), bounds_(cells->tiles()) {
     const Partition& partition = *cells;
+    const auto cut = final_boxes(cells, period);  // a tile that ends at the period has no outermost point
+    const std::vector<Box>& boxes = period.any() ? *cut : partition.boxes();
     AffineBasis span(o.dimension);
     SeedFinder finder(o.dimension);
     for (const LocalPoint& p : cloud) {
       const TileId t = partition.tile_of(p.at);
       points_[t.value].push_back(p);
       bounds_[t.value].add(p.at);
-      finder.add(t, partition.boxes()[t.value], p);
+      finder.add(t, boxes[t.value], p);
     }
     span.add(cloud);
     std::vector<LocalPoint> everywhere = span.span();
     everywhere.push_back(span.least());
+    if (period.any()) everywhere.erase(everywhere.begin(), everywhere.end() - 1);  // periods along all axes
     std::vector<Seed> seeds = finder.choose(partition, bounds_, everywhere);
     if (!o.seeds) std::erase_if(seeds, [](const Seed& s) { return !std::isinf(s.reach); });
-    auto neighbours = touching_tiles(partition, bounds_);
+    auto neighbours = touching_tiles(partition, bounds_, period);
     if (!o.announce) neighbours.assign(partition.tiles(), {});
     stage_.dimension = o.dimension;
-    stage_.boxes = final_boxes(cells);
-    stage_.around = std::make_shared<const KnownFromStart>(bounds_, neighbours, std::move(seeds));
+    stage_.boxes = cut;
+    stage_.around = std::make_shared<const KnownFromStart>(bounds_, neighbours, std::move(seeds), period);
   }
 
   Status run() {
@@ -187,13 +192,22 @@ Status run(const Options& o) {
   BOOST_OUTCOME_TRY(cloud, cloud_of(o));
   std::vector<Point> sample;
   Bounds bounds;
-  for (const LocalPoint& p : cloud) {
-    sample.push_back(p.at);
-    bounds.add(p.at);
+  for (const LocalPoint& p : cloud) bounds.add(p.at);
+  Period period;
+  if (o.periodic) {
+    for (int axis = 0; axis < o.dimension; ++axis) {
+      period.length[static_cast<std::size_t>(axis)] = bounds.hi[axis] - bounds.lo[axis];
+    }
+    PeriodicCloud periodic = wrapped(o.dimension, cloud, period);
+    cloud = std::move(periodic.points);
+    period = periodic.period;
+    bounds = {};
+    for (const LocalPoint& p : cloud) bounds.add(p.at);
   }
+  for (const LocalPoint& p : cloud) sample.push_back(p.at);
   const auto partition = std::make_shared<const Partition>(
       Partition::build_tiles(kind, o.dimension, sample, bounds, static_cast<std::uint32_t>(o.tiles)));
-  return Exchange(o, cloud, partition).run();
+  return Exchange(o, cloud, partition, period).run();
 }
 
 }  // namespace
@@ -210,6 +224,7 @@ int main(int argc, char** argv) {
   app.add_option("--partition", o.partition, "kdtree, grid, octree, random");
   app.add_flag("!--no-seeds", o.seeds, "only the seeds that all tiles have");
   app.add_flag("!--no-announce", o.announce, "no directed first exchange");
+  app.add_flag("--periodic", o.periodic, "the sides of the cloud's box are the same place");
   app.add_flag("--sleep", o.sleep, "tiles sleep between splays: a fifth of the memory");
   CLI11_PARSE(app, argc, argv);
   const auto done = tessera::run(o);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/delaunay/delaunay_program.h"
 #include "src/result/store/digest.h"
 #include "src/tiling/hilbert.h"
@@ -28,6 +29,18 @@ class FinishedPoints final : public Finished {
 // The words of a digest are made of indices, as tile files have them.
 Digest digest_of_cells(const CellDigest& digest, std::span<const Vertex> cells) {
   return digest.of({reinterpret_cast<const std::int32_t*>(cells.data()), cells.size()});
+}
+
+// `ids` may be images.
+CellDigest cell_digest(const DelaunayStage& stage, std::span<const PointId> ids) {
+  if (!stage.around->periodic()) return {stage.dimension, ids};
+  std::vector<PointId> points;
+  std::vector<std::uint8_t> offsets;
+  for (const PointId id : ids) {
+    points.push_back(plain(id));
+    offsets.push_back(static_cast<std::uint8_t>(offset_code(id)));
+  }
+  return {stage.dimension, points, offsets};
 }
 
 // Puts foreign vertices into Hilbert order, as the tile's own points are. Then differences between successive points
@@ -59,7 +72,7 @@ std::vector<TileId> PointsOfTile::append_foreign(TileId self) {
 }
 
 void DelaunayProgram::discard(const LoadedTile& loaded, const Box& box) {
-  const CellDigest digest(stage_.dimension, triangulation_->ids());
+  const CellDigest digest = cell_digest(stage_, triangulation_->ids());
   gone_.cells = gone_.main_cells =
       triangulation_->discard(loaded.points, box, !stage_.reduce,
                               [&](std::span<const Vertex> cells) { gone_.digest += digest_of_cells(digest, cells); });
@@ -72,7 +85,7 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish_points() {
   PointsOfTile tile;
   tile.counted = gone_;
   {
-    const CellDigest digest(stage_.dimension, triangulation_->ids());
+    const CellDigest digest = cell_digest(stage_, triangulation_->ids());
     RestOfTile rest = triangulation_->collect_rest(
         [&](std::span<const Vertex> cells) { tile.counted.digest += digest_of_cells(digest, cells); });
     tile.counted.cells += rest.cells;

@@ -57,6 +57,28 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Schedules,
                                            Case{"jitter", 3, 40, 4, PartitionKind::kdtree, 100}),
                          name_of_case);
 
+class PeriodicSchedules : public ::testing::TestWithParam<Case> {};
+
+TEST_P(PeriodicSchedules, EndInTheTriangulationOfManyCopiesWhateverGoesWrong) {
+  const Case& c = GetParam();
+  HarnessOptions options = options_of(c);
+  options.periodic = true;
+  const HarnessReport report = run_harness(options);
+  EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
+  EXPECT_EQ(report.seeds, c.seeds);
+  options.faults.storage = options.faults.kill = options.restarts = true;
+  const HarnessReport faulty = run_harness(options);
+  EXPECT_FALSE(faulty.failed_seed) << "seed " << *faulty.failed_seed << ": " << faulty.failure;
+  EXPECT_EQ(faulty.seeds, c.seeds);
+  EXPECT_GT(faulty.restarts, 0u);
+}
+INSTANTIATE_TEST_SUITE_P(Clouds, PeriodicSchedules,
+                         ::testing::Values(Case{"lattice", 3, 40, 7, PartitionKind::kdtree, 60},
+                                           Case{"lattice", 2, 40, 7, PartitionKind::random, 60},
+                                           Case{"clusters", 3, 40, 6, PartitionKind::grid, 40},
+                                           Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 60}),
+                         name_of_case);
+
 class Accidents : public ::testing::TestWithParam<Case> {};
 
 // Storage that fails or throws, memory that runs out, at the k-th call: the run ends with an error, never without an

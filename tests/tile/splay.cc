@@ -218,8 +218,9 @@ std::string inconsistency(const TileMesh& m, TileId self) {
     if (sign <= 0) return at + "not positively oriented";
     bool own = false;
     for (int i = 0; i < corners; ++i) {
-      own |= m.owners[v[i]] == self;
-      if ((m.owners[v[i]] != self) != (m.point_ghost[v[i]] != 0)) return at + "point ghost flag";
+      const bool here = m.owners[v[i]] == self && (m.offsets.empty() || m.offsets[v[i]] == 0);
+      own |= here;
+      if (here == (m.point_ghost[v[i]] != 0)) return at + "point ghost flag";
       if (n[i] < -2 || n[i] >= cells) return at + "neighbour out of range";
       if (n[i] < 0) continue;
       const std::int32_t* w = &m.cells[static_cast<std::size_t>(n[i]) * corners];

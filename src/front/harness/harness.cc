@@ -74,7 +74,7 @@ std::string kinds() {
 struct Given {
   std::string kind = "uniform", partition, seeds, faults;
   std::optional<std::int64_t> dimension, points, tiles, nodes, mail, seed;
-  bool restarts = false, trace = false, json = false, quiet = false;
+  bool periodic = false, restarts = false, trace = false, json = false, quiet = false;
 };
 
 Status check_range(const char* name, const std::optional<std::int64_t>& value, std::int64_t lowest,
@@ -105,6 +105,7 @@ Result<HarnessOptions> read_options(const Given& given) {
     BOOST_OUTCOME_TRY(faults, parse_faults(given.faults));
     options.faults = faults;
   }
+  options.periodic = given.periodic;
   options.restarts = given.restarts;
   if (!given.partition.empty()) {
     BOOST_OUTCOME_TRY(partition, parse_partition_kind(given.partition));
@@ -185,6 +186,7 @@ int harness_main(int argc, char** argv) {
   app.add_option("--dim", given.dimension, "the dimension, 2 or 3; default: 3");
   app.add_option("--tiles", given.tiles, "the number of tiles; default: 7");
   app.add_option("--partition", given.partition, "kdtree (default), grid, octree or random");
+  app.add_flag("--periodic", given.periodic, "draw periods for each seed, along some axes or all");
   app.add_option("--seeds", given.seeds, "run these seeds, A..B, up to the first that fails; default: 1..1");
   app.add_option("--seed", given.seed, "run this seed alone");
   app.add_option("--nodes", given.nodes, "the number of nodes that the tiles are spread over; default: random, 1 to 3");

@@ -2,6 +2,8 @@
 // same triangulation have the same digest, whatever tiles, threads and nodes made them.
 //  (1) A cell is hashed by the source ids of its vertices; a vertex by its id and the bits of its coordinates; both
 //      with the dimension. The order of cells and vertices does not matter, nor the order of the vertices in a cell.
+//      In a periodic cloud a cell is hashed by images (src/base/image.h), after a shift by which the vertex with the
+//      least id, and of its images the least, gets the offset 0. So the hash does not depend on where the cell lies.
 //  (2) Each cell is main in one tile, and each vertex is one tile's own. So the digest of a result is the sum of the
 //      digests of its tiles.
 //  (3) Two different triangulations have the same digest with a probability of about 2^-128. The hash and the sum are
@@ -24,6 +26,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "src/base/big_vector.h"
 #include "src/geometry/mesh/tile_mesh.h"
@@ -45,7 +48,8 @@ struct Digest {
 // Computes digests of cells that are given as indices into `ids`.
 class CellDigest {
  public:
-  CellDigest(int dimension, std::span<const PointId> ids);
+  // `offsets`: beside ids, codes of offsets; empty: all are 0. REQUIRES: offsets of one cell are near each other.
+  CellDigest(int dimension, std::span<const PointId> ids, std::span<const std::uint8_t> offsets = {});
   // `cells` has rows of dimension + 1 vertices. Cells whose flag in `ghost` is set are left out; without flags all
   // cells are counted.
   Digest of(std::span<const std::int32_t> cells, const std::uint8_t* ghost = nullptr) const;
@@ -56,9 +60,14 @@ class CellDigest {
   };
   template <int D, bool flagged>
   Digest sum(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const;
+  template <int D>
+  Digest sum_of_images(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const;
 
   int dimension_;
   BigVector<HashHalves> of_vertex_;
+  // Both empty when all offsets are 0.
+  std::vector<PointId> ids_;
+  std::vector<std::uint8_t> offsets_;
 };
 
 // The digest of vertices.

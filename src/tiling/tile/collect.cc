@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/image.h"
 #include "src/base/stopped.h"
 #include "src/tiling/tile/sorted_cells.h"
 
@@ -107,7 +108,10 @@ class Collector {
     for (std::uint32_t k = 0; k < index_.size(); ++k) {
       if (index_[k] != unused) order.push_back(k);
     }
-    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return in_.foreign[a].id < in_.foreign[b].id; });
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) {
+      const PointId p = in_.foreign[a].id, q = in_.foreign[b].id;
+      return plain(p) != plain(q) ? plain(p) < plain(q) : p < q;
+    });
     const std::size_t n = own_ + order.size();
     mesh_.points = std::move(in_.points);
     mesh_.ids = std::move(in_.ids);
@@ -116,15 +120,29 @@ class Collector {
     mesh_.owners.reserve(n);
     mesh_.point_ghost.reserve(n);
     mesh_.owners.assign(own_, in_.self);
+    bool images = false;
     for (const std::uint32_t k : order) {
       const SharedPoint& p = in_.foreign[k];
       index_[k] = static_cast<std::uint32_t>(mesh_.points.size());
       mesh_.points.push_back(p.at);
-      mesh_.ids.push_back(p.id);
+      mesh_.ids.push_back(plain(p.id));
       mesh_.owners.push_back(p.tile);
+      images |= offset_code(p.id) != 0;
     }
+    if (images) number_images(order);
     mesh_.point_ghost.assign(own_, 0);
     mesh_.point_ghost.resize(n, 1);
+  }
+
+  // Of images the mesh has owners without offsets, and offsets apart. Which cells are main follows from both.
+  void number_images(const std::vector<std::uint32_t>& order) {
+    mesh_.offsets.assign(mesh_.points.size(), 0);
+    ranks_.assign(own_, rank_of(in_.self));
+    for (std::size_t v = own_; v < mesh_.owners.size(); ++v) {
+      mesh_.offsets[v] = static_cast<std::uint8_t>(offset_code(in_.foreign[order[v - own_]].id));
+      ranks_.push_back(rank_of(mesh_.owners[v]));
+      mesh_.owners[v] = plain(mesh_.owners[v]);
+    }
   }
 
   // Kept cells know their kept neighbours already. The other cells, which are few, tell their kept neighbours what lies
@@ -268,8 +286,8 @@ class Collector {
                {.order = std::span(tile_.order).subspan(placed_),
                 .first = static_cast<std::uint32_t>(before),
                 .end = std::span(end_).first(own_),
-                .owners = mesh_.owners,
-                .self = in_.self,
+                .owners = ranks_.empty() ? mesh_.owners : ranks_,
+                .self = ranks_.empty() ? in_.self : rank_of(in_.self),
                 .mesh_index = mesh_index,
                 .ghost = mesh_.cell_ghost.data() + before},
                in_.stop);
@@ -286,6 +304,7 @@ class Collector {
   BigVector<std::uint32_t> end_;                                 // by own vertex: see CellsToSort
   BigVector<std::uint32_t> least_;     // by cell: its least vertex | mixed_row, or why it is not kept
   std::size_t placed_ = 0;             // cells at the beginning of the order that need no sorting
+  std::vector<TileId> ranks_;          // by vertex in the mesh: rank_of(its owner); empty when there are no images
   std::vector<std::int32_t> written_;  // numbers of early cells that are neighbours of kept cells
 };
 

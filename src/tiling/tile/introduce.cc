@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/image.h"
 #include "src/tiling/tile/circumsphere.h"
 #include "src/tiling/tile/spacing.h"
 #include "src/tiling/tile/tile_triangulation.h"
@@ -82,9 +83,12 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     if (!ball.known || ball.radius > longest_edge(std::span(p).first(corners))) continue;
     for (const TileId n : neighbours) {
       if (!reaches_well(ball, options_.around->bounds(n), d)) continue;
-      for (int i = 0; i < corners; ++i) send(v[i], n);
+      for (int i = 0; i < corners; ++i) {
+        if (tessera::near(ids_[v[i]], n)) send(v[i], n);
+      }
     }
   }
+  tell_self();
 }
 
 void TileTriangulation::introduce() {
@@ -98,24 +102,39 @@ void TileTriangulation::introduce() {
       return v != 0;
     });
   }
+  introduce_once();
+  if (!options_.around->periodic()) return;
+  for (tell_self(); due(); tell_self()) introduce_once();
+}
+
+void TileTriangulation::introduce_once() {
+  const bool periodic = options_.around->periodic();
   if (kernel_->dimension() < options_.dimension) {
+    check_read(!periodic, "the seeds of a periodic cloud span space");
     share_with_all();
   } else {
+    if (periodic) shorten_edges();
     introduce_vertices();
     if (fresh_) introduce_due();
   }
-  for (const Refused& r : refused_) introduce_refused(r);
-  refused_.clear();
   due_ = kernel_->vertices() + 1;
+  std::erase_if(refused_, [&](const Refused& r) { return introduce_refused(r); });
 }
 
 // Refused points are not kept, but the vertices that would be their neighbours, all foreign, are introduced to them.
-void TileTriangulation::introduce_refused(const Refused& r) {
+// Returns false when there are new vertices because one of these edges was long: once more, then.
+bool TileTriangulation::introduce_refused(const Refused& r) {
   stop_check_.step();
+  if (options_.around->periodic() && foreign_.at(r.point.id) != 0) return true;  // a vertex since then
   const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
   check_read(!again.inserted, "a point that was in conflict with no local star never will be");
+  if (options_.around->periodic()) {
+    for (const Vertex w : around_) {
+      if (!near(r.point.id, ids_[w])) return shorten(r.point, shared(w)), false;
+    }
+  }
   const bool fresh = !fresh_ || fresh_->has_refused(r.point.id);
-  if (fresh && options_.left_out == LeftOut::refused_fresh) return;
+  if (fresh && options_.left_out == LeftOut::refused_fresh) return true;
   for (const Vertex w : around_) {
     if (!fresh && !fresh_->has(w)) continue;
     if (is_known_by(r.point.tile, w) || known_.rely_on_told_bit_of_refused(r.point, r.from, owners_[w]) ||
@@ -129,6 +148,7 @@ void TileTriangulation::introduce_refused(const Refused& r) {
       quote(w, r.point.tile);
     }
   }
+  return true;
 }
 
 // A refused point that is not fresh is quoted to the owner of a fresh point beside it. To tell the owner of the refused
@@ -140,20 +160,63 @@ void TileTriangulation::quote_refused(const SharedPoint& p, TileId tile) {
   ++counts_.sent;
 }
 
-// If new vertices are not few, one pass over the cells costs a fraction of a walk around each new vertex.
-void TileTriangulation::introduce_vertices() {
+// Visits the edges of vertices that have not been introduced. If these are not few, one pass over the cells costs a
+// fraction of a walk around each of them.
+template <class Visit>
+void TileTriangulation::edges_due(const Visit& visit) {
   if ((kernel_->vertices() + 1 - due_) > kernel_->vertices() / 16) {
     kernel_->edges_from(due_, [&](Vertex v, Vertex w) {
       stop_check_.step();
-      introduce(v, w);
+      visit(v, w);
     });
     return;
   }
   for (Vertex v = due_; v <= kernel_->vertices(); ++v) {
     stop_check_.step();
     kernel_->neighbours(v, around_);
-    for (const Vertex w : around_) introduce(v, w);
+    for (const Vertex w : around_) visit(v, w);
   }
+}
+
+void TileTriangulation::introduce_vertices() {
+  edges_due([&](Vertex v, Vertex w) { introduce(v, w); });
+}
+
+// Inserts images until no edge is long, so that a tile never hears of an image that is not near
+// (docs/periodic-design.md).
+void TileTriangulation::shorten_edges() {
+  std::vector<std::pair<Vertex, Vertex>> edges;
+  do {
+    edges.clear();
+    edges_due([&](Vertex v, Vertex w) {
+      if (!near(ids_[v], ids_[w])) edges.emplace_back(v, w);
+    });
+    for (const auto& [v, w] : edges) shorten(shared(v), shared(w));
+  } while (!edges.empty());
+}
+
+// An edge between two points is long when their offsets along an axis differ by two. When the image of each point that
+// is a period nearer to the other is in the triangulation, the edge is not.
+void TileTriangulation::shorten(const SharedPoint& p, const SharedPoint& q) {
+  const PeriodOffset apart = offset_of(q.id) - offset_of(p.id);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (apart.by[axis] != 2 && apart.by[axis] != -2) continue;
+    PeriodOffset nearer;
+    nearer.by[axis] = apart.by[axis] / 2;
+    add_image(p, nearer);
+    add_image(q, PeriodOffset{} - nearer);
+  }
+}
+
+// Inserts the image that lies `by` periods from a point, unless the tile has it.
+void TileTriangulation::add_image(const SharedPoint& p, const PeriodOffset& by) {
+  const PeriodOffset o = offset_of(p.id) + by;
+  const SharedPoint there{options_.around->period().shifted(p.at, by), image_of(p.id, o), image_of(p.tile, o), 0};
+  if (there.tile == options_.self) return;
+  if (const auto known = foreign_.find(there.id); known != foreign_.end() && known->second != 0) return;
+  std::vector<Vertex> around;
+  const auto added = add_foreign(there, true, around);
+  check_read(added.has_value(), "an image of a point has the coordinates of another point");
 }
 
 // Vertices that have become fresh after their edges were made.
@@ -229,15 +292,50 @@ void TileTriangulation::send(Vertex v, TileId tile) {
 std::map<TileId, std::vector<SharedPoint>> TileTriangulation::take_updates() {
   std::map<TileId, std::vector<SharedPoint>> out;
   for (const auto& [tile, list] : std::exchange(updates_, {})) {
-    auto& points = out[tile];
-    points.reserve(list.size());
-    for (const Vertex v : list) points.push_back(shared(v));
+    auto& points = out[plain(tile)];
+    points.reserve(points.size() + list.size());
+    for (const Vertex v : list) points.push_back(seen_from(tile, shared(v)));
   }
   for (auto& [tile, list] : std::exchange(refused_updates_, {})) {
-    auto& points = out[tile];
-    points.insert(points.end(), list.begin(), list.end());
+    auto& points = out[plain(tile)];
+    for (const SharedPoint& p : list) points.push_back(seen_from(tile, p));
   }
   return out;
+}
+
+// An image of a tile is told what the tile itself would be told if all were shifted.
+SharedPoint TileTriangulation::seen_from(TileId tile, const SharedPoint& p) const {
+  if (offset_code(tile) == 0) return p;
+  const PeriodOffset back = PeriodOffset{} - offset_of(tile), o = offset_of(p.id) + back;
+  check(o.near(), "only points that are near are told");
+  return {options_.around->period().shifted(p.at, back), image_of(p.id, o), image_of(p.tile, o), p.told};
+}
+
+// The tile is its own neighbour: what it has to tell an image of itself it takes in at once. So nothing of that is
+// under way when the tile is saved, and no other tile has to repeat it. Points that have come this way are never
+// refused, because refused points would not be saved before they are introduced.
+void TileTriangulation::tell_self() {
+  if (!options_.around->periodic()) return;
+  std::vector<SharedPoint> told;
+  const auto take = [&](auto& updates, const auto& point_of) {
+    for (auto at = updates.begin(); at != updates.end();) {
+      if (plain(at->first) != options_.self) {
+        ++at;
+        continue;
+      }
+      for (const auto& point : at->second) told.push_back(seen_from(at->first, point_of(point)));
+      at = updates.erase(at);
+    }
+  };
+  take(updates_, [&](Vertex v) { return shared(v); });
+  take(refused_updates_, [](const SharedPoint& p) { return p; });
+  for (const SharedPoint& p : told) {
+    stop_check_.step();
+    ++counts_.received;
+    if (p.tile == options_.self || foreign_.contains(p.id)) continue;
+    const auto added = add_foreign(p, true, around_);
+    check_read(added.has_value(), "an image of a point has the coordinates of another point");
+  }
 }
 
 // The published order: insert everything, simplify, then splay the points that are left.
@@ -292,8 +390,10 @@ void TileTriangulation::replay_if(const std::function<bool(TileId)>& reborn) {
     refused_updates_[tile].push_back(p);
     ++counts_.sent;
   };
-  known_.replay(owners_, reborn, tell, tell_refused);
+  known_.replay(
+      owners_, [&](TileId tile) { return reborn(plain(tile)); }, tell, tell_refused);
   if (fresh_ && options_.left_out != LeftOut::replayed_quotes) fresh_->replay(reborn, tell, tell_refused);
+  tell_self();
 }
 
 }  // namespace tessera

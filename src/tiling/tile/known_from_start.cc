@@ -24,14 +24,14 @@ double squared_gap(const Bounds& a, const Bounds& b) {
 }  // namespace
 
 KnownFromStart::KnownFromStart(std::vector<Bounds> bounds, const std::vector<std::vector<TileId>>& neighbours,
-                               std::vector<Seed> seeds)
+                               std::vector<Seed> seeds, const Period& period)
     : KnownFromStart(std::make_shared<const std::vector<Bounds>>(std::move(bounds)), neighbours,
-                     std::make_shared<const std::vector<Seed>>(std::move(seeds))) {}
+                     std::make_shared<const std::vector<Seed>>(std::move(seeds)), period) {}
 
 KnownFromStart::KnownFromStart(std::shared_ptr<const std::vector<Bounds>> bounds,
                                const std::vector<std::vector<TileId>>& neighbours,
-                               std::shared_ptr<const std::vector<Seed>> seeds)
-    : bounds_(std::move(bounds)), seeds_(std::move(seeds)) {
+                               std::shared_ptr<const std::vector<Seed>> seeds, const Period& period)
+    : bounds_(std::move(bounds)), seeds_(std::move(seeds)), period_(period), periodic_(period.any()) {
   std::size_t all = 0;
   for (const auto& list : neighbours) all += list.size();
   neighbours_.reserve(all);
@@ -55,7 +55,20 @@ KnownFromStart::KnownFromStart(std::shared_ptr<const std::vector<Bounds>> bounds
   }
 }
 
+Bounds KnownFromStart::bounds(TileId tile) const {
+  const Bounds& at = (*bounds_)[plain(tile).value];
+  if (offset_code(tile) == 0) return at;
+  const PeriodOffset o = offset_of(tile);
+  return {period_.shifted(at.lo, o), period_.shifted(at.hi, o)};
+}
+
 std::uint32_t KnownFromStart::bit(TileId owner, TileId neighbour) const {
+  if (periodic_ && offset_code(owner) != 0) {
+    const PeriodOffset apart = offset_of(neighbour) - offset_of(owner);
+    if (!apart.near()) return 0;
+    owner = plain(owner);
+    neighbour = image_of(neighbour, apart);
+  }
   const auto list = neighbours(owner);
   const auto end = list.begin() + static_cast<std::ptrdiff_t>(std::min(told_bits_, list.size()));
   const auto found = std::find(list.begin(), end, neighbour);
@@ -69,24 +82,38 @@ bool KnownFromStart::reaches(const Seed& seed, const Bounds& bounds) {
 
 std::vector<Seed> KnownFromStart::seeds_of(TileId tile) const {
   std::vector<Seed> out;
-  if (!seeds_->empty()) collect(1, tile, out);
+  if (seeds_->empty()) return out;
+  if (!periodic_) {
+    collect(1, bounds(tile), out);
+    return out;
+  }
+  // Where an image reaches the tile, the seed itself reaches the opposite image of the tile. No coordinate is rounded,
+  // so both gaps are the same.
+  for (const PeriodOffset& o : period_.offsets()) {
+    const std::size_t first = out.size();
+    collect(1, bounds(image_of(tile, PeriodOffset{} - o)), out);
+    for (std::size_t i = first; i < out.size(); ++i) {
+      SharedPoint& p = out[i].point;
+      p = {period_.shifted(p.at, o), image_of(p.id, o), image_of(p.tile, o), p.told};
+    }
+  }
   return out;
 }
 
 // Skips a block when none of its seeds can reach the tile: the gap of the block is not larger than theirs, and rounding
 // preserves that.
-void KnownFromStart::collect(std::size_t block, TileId tile, std::vector<Seed>& out) const {
+void KnownFromStart::collect(std::size_t block, const Bounds& bounds, std::vector<Seed>& out) const {
   const Block& b = blocks_[block];
-  if (b.bounds.empty() || squared_gap(b.bounds, bounds(tile)) > b.reach * b.reach) return;
+  if (b.bounds.empty() || squared_gap(b.bounds, bounds) > b.reach * b.reach) return;
   const std::size_t leaves = blocks_.size() / 2;
   if (block < leaves) {
-    collect(2 * block, tile, out);
-    collect(2 * block + 1, tile, out);
+    collect(2 * block, bounds, out);
+    collect(2 * block + 1, bounds, out);
     return;
   }
   const std::size_t begin = (block - leaves) * block_seeds, end = std::min(seeds_->size(), begin + block_seeds);
   for (std::size_t i = begin; i < end; ++i) {
-    if (has(tile, (*seeds_)[i])) out.push_back((*seeds_)[i]);
+    if (reaches((*seeds_)[i], bounds)) out.push_back((*seeds_)[i]);
   }
 }
 

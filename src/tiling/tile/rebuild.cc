@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/image.h"
 #include "src/base/stopped.h"
 #include "src/geometry/kernel/kernel.h"
 #include "src/tiling/tile/collect.h"
@@ -16,6 +17,10 @@ Result<TileMesh> rebuild(RebuildInput input) {
   const auto corrupt = [](const char* reason) { return error(Errc::corrupt, reason); };
   const std::size_t all = input.points.size();
   check(input.own <= all && input.ids.size() == all && input.owners.size() == all, "a tile's arrays fit together");
+  for (std::size_t i = 0; i < all; ++i) {
+    const std::uint32_t code = offset_code(input.ids[i]);
+    if (code != offset_code(input.owners[i]) || code >= image::codes) return corrupt("a source index is too large");
+  }
   try {
     const auto kernel = make_kernel(input.dimension);
     kernel->build(input.points, KeepPoints::borrowed, input.stop);
@@ -41,9 +46,10 @@ Result<TileMesh> rebuild(RebuildInput input) {
     collect.ids = std::move(input.ids);
     TileMesh mesh = collect_cells(std::move(collect)).whole();
     if (mesh.points.size() != all) return corrupt("a foreign vertex belongs to none of its cells");
-    const auto foreign = mesh.ids.begin() + static_cast<std::ptrdiff_t>(input.own);
-    if (std::adjacent_find(foreign, mesh.ids.end()) != mesh.ids.end())
-      return corrupt("two foreign vertices have one id");
+    for (std::size_t v = input.own + 1; v < all; ++v) {
+      const bool same_offset = mesh.offsets.empty() || mesh.offsets[v] == mesh.offsets[v - 1];
+      if (mesh.ids[v] == mesh.ids[v - 1] && same_offset) return corrupt("two foreign vertices have one id");
+    }
     return mesh;
   } catch (const Stopped&) {
     return error(Errc::interrupted, "interrupted while its cells are made");

@@ -34,7 +34,7 @@ struct CellsToSort {
   std::span<std::uint32_t> order;      // SortedCells::order
   std::uint32_t first;                 // number of the first cell of `order` in the mesh
   std::span<const std::uint32_t> end;  // by own vertex: where the cells with this least vertex end in `order`
-  std::span<const TileId> owners;      // by vertex in the mesh
+  std::span<const TileId> owners;      // by vertex in the mesh; where there are images, rank_of() them and of `self`
   TileId self;
   std::int32_t* mesh_index;  // SortedCells::mesh_index
   std::uint8_t* ghost;       // 1: a tile lower than `self` owns a vertex; null: not wanted

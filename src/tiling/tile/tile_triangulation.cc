@@ -52,6 +52,7 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
 // The foreign vertices are those of stored cells, so none of them is refused, and nobody is noted to know them.
 Status TileTriangulation::triangulate_changed(const ChangedTile& changed, KeepPoints keep) {
   check(changed.fresh.size() == changed.points.size(), "every point is fresh or not");
+  check(!options_.around->periodic(), "only the results of clouds without a period are changed");
   check(options_.around->seeds().empty(), "only a first triangulation has seeds");
   build(changed.points, changed.ids, keep);
   fresh_.emplace(changed.fresh);
@@ -462,21 +463,29 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> poin
   for (const SharedPoint& p : points) {
     stop_check_.step();
     ++counts_.received;
-    if (p.tile == options_.self || p.tile.value >= options_.around->tiles() || !is_finite(p.at)) return refuse(from, p);
+    const bool sound = p.tile != options_.self && options_.around->has_tile(p.tile) &&
+                       offset_code(p.id) == offset_code(p.tile) && is_finite(p.at);
+    if (!sound) return refuse(from, p);
     if (fresh_) {
       BOOST_OUTCOME_TRYV(receive_changed(from, p));
-      continue;
-    }
-    if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
-      if (known->second != 0) record_received(known->second, from, p);
-      continue;
-    }
-    BOOST_OUTCOME_TRY(v, add_foreign(p, false, around_));
-    if (v == 0) {
-      refused_.push_back({p, from});
     } else {
-      record_received(v, from, p);
+      BOOST_OUTCOME_TRYV(receive_first(from, p));
     }
+  }
+  return success();
+}
+
+Status TileTriangulation::receive_first(TileId from, const SharedPoint& p) {
+  if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
+    if (known->second != 0) record_received(known->second, from, p);
+    return success();
+  }
+  BOOST_OUTCOME_TRY(v, add_foreign(p, false, around_));
+  if (v == 0) {
+    // Of a sender that is periodic the tile does not know which image has spoken.
+    refused_.push_back({p, options_.around->periodic() ? p.tile : from});
+  } else {
+    record_received(v, from, p);
   }
   return success();
 }
@@ -589,6 +598,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
   const bool filled = reduced_ && !kernel_->can_freeze();
   kernel_.reset();
   RestOfTile rest;
+  const TileId self = rank_of(options_.self);
   std::vector<std::uint8_t> used(ids_.size());
   std::vector<Vertex> main;
   for (std::size_t c = 0; c < rows.size(); ++c) {
@@ -603,7 +613,7 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
     if (own < corners) {
       for (int i = 0; i < corners; ++i) {
         used[v[i]] = 1;
-        is_main &= owners_[v[i]] >= options_.self;
+        is_main &= rank_of(owners_[v[i]]) >= self;
       }
     }
     if (is_main) {

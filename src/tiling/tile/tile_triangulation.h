@@ -23,6 +23,7 @@
 
 #include "src/base/big_vector.h"
 #include "src/base/figures.h"
+#include "src/base/image.h"
 #include "src/base/mix_hash.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
@@ -154,7 +155,7 @@ class TileTriangulation {
   std::vector<SharedPoint> foreign_vertices() const;
 
   // Returns, by tile, what the other tiles must now be sent, and forgets it. A tile is only sent points that it does
-  // not own.
+  // not own. What the tile tells its own images it tells itself, in introduce().
   std::map<TileId, std::vector<SharedPoint>> take_updates();
 
   // Returns all cells with a vertex of this tile. `points` and `ids` are those of triangulate(), best moved; `finals`
@@ -232,7 +233,15 @@ class TileTriangulation {
   void introduce_vertices();
   void introduce(Vertex v, Vertex neighbour);
   void introduce_due();
-  void introduce_refused(const Refused& r);
+  bool introduce_refused(const Refused& r);
+  void introduce_once();
+  template <class Visit>
+  void edges_due(const Visit& visit);
+  void shorten_edges();
+  void shorten(const SharedPoint& p, const SharedPoint& q);
+  void add_image(const SharedPoint& p, const PeriodOffset& by);
+  SharedPoint seen_from(TileId tile, const SharedPoint& p) const;
+  void tell_self();
   void share_with_all();
   void build(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep);
   bool needs(const SharedPoint& common) const;
@@ -240,13 +249,16 @@ class TileTriangulation {
     return seeded_ && !handed_out_ && due_ == ids_.size() && (!fresh_ || options_.left_out == LeftOut::forgotten_fresh);
   }
   Status build_again(const std::vector<std::uint8_t>& gone, std::vector<std::uint8_t>& fresh);
+  Status receive_first(TileId from, const SharedPoint& p);
   Status receive_changed(TileId from, SharedPoint p);
   bool is_fresh(Vertex v) const { return !fresh_ || fresh_->has(v); }
   void quote(Vertex v, TileId tile);
   void quote_refused(const SharedPoint& p, TileId tile);
   bool is_known_by(TileId tile, Vertex v) const;
   bool has_as_seed(TileId tile, Vertex v) const;
+  // Of a sender that is periodic the tile does not know which image has spoken, so only what it says is noted.
   void record_received(Vertex v, TileId from, const SharedPoint& p) {
+    if (options_.around->periodic()) return known_.record_quoted(v, p.told);
     known_.record_received(v, owners_[v], from, p.told);
   }
   void replay_if(const std::function<bool(TileId)>& reborn);
