@@ -60,7 +60,7 @@ site() {
 
 # One wheel for each Python. Python 3.12 and later need pybind11 2.12, which the environment variable pybind11_ROOT names.
 wheel() {
-  build tessera_python
+  build tessera_python tessera_viewer
   /usr/bin/python3 python/backend/tessera_build.py $build_folder $build_folder "$@"
 }
 

@@ -14,6 +14,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -81,6 +82,9 @@ def pack(build, directory, cmake="cmake", alone=True, package=None, python=sys.e
         library = next(stage.rglob("libtessera.so.*")).resolve()
         (soname,) = self_contained.dynamic(library, "SONAME")
         library = library.replace(module.parent / soname)
+        viewer = build / "python" / "tessera" / "viewer.html"  # the same for all Pythons
+        if viewer.is_file():
+            shutil.copy(viewer, module.parent)
         external, licences, tag = [], {}, re.sub("[-.]", "_", this["platform"])
         if alone:
             bundled = self_contained.bundle([module, library], module.parents[1] / "tessera.libs")

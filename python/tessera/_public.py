@@ -20,6 +20,7 @@ from ._triangulation import Columns, Measures, Proof, Tiles, Triangulation, open
 from ._job import Event, Job
 from ._live import Live, PointsChanged, VersionMade
 from ._update import Update
+from ._view import View
 from ._viewer import ViewerLink
 from ._volumes import VolumeTable
 from ._voronoi import VoronoiFile
@@ -27,7 +28,7 @@ from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "hag", "from_arrow", "to_pyvista", "HeightsFile", "connect", "Client", "Job", "Event", "ViewerLink", "Live", "PointsChanged", "VersionMade", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "ProgressBar", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "region", "open", "info", "hag", "from_arrow", "to_pyvista", "HeightsFile", "connect", "Client", "Job", "Event", "View", "ViewerLink", "Live", "PointsChanged", "VersionMade", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "ProgressBar", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # help() and messages show these names as members of the package.
 for _public in __all__:

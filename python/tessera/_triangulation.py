@@ -17,13 +17,14 @@ from . import _arrow_c, _tessera
 from ._alpha import AlphaShapes
 from ._errors import UsageError
 from ._html import table
-from ._options import Path, memory_bytes
+from ._options import Path, index, memory_bytes
 from ._questions import Answers
 from ._densities import Densities
 from ._surfaces import Surfaces
 from ._tile import Tile, cell_word
 from ._update import Changes
 from ._volumes import SurfaceVolumes
+from ._view import View, view_of
 from ._voronoi import VoronoiCells
 
 
@@ -368,6 +369,19 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
             "points": self.n_points, "vertices": self.n_vertices, "duplicates": self.n_duplicates or None,
             cell_word(self.dim): self.n_cells, "tiles": len(self), "coordinate system": self._system_name(), "folder": self.folder,
             "digest": self.digest})
+
+    def view(self, height: int = 480, max_triangles: int = 500_000) -> View:
+        """Draws the surface of a 2D result, or the hull of a 3D result, in a notebook: coloured by height, to be turned,
+        moved and zoomed as in docs/viewer.md.
+
+        Parameters
+        ----------
+        height
+            The height of the picture, in pixels.
+        max_triangles
+            Raises UsageError for more triangles: the page holds all of them. Client.view() draws results of any size.
+        """
+        return view_of(self, index(height, "height", 100_000), index(max_triangles, "max_triangles", 2**31))
 
     def _system_name(self) -> str:
         """The name in quotation marks that begins the WKT of the coordinate system, which is long."""
