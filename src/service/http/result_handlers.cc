@@ -60,7 +60,7 @@ Answer file(const Call& call) {
 }
 
 // The files of the tileset that the dashboard shows, where programs expect a tileset.
-Answer tileset(const Call& call) {
+Answer tileset_file_of(const Call& call) {
   const std::filesystem::path path = tileset_of_result("") / call.arguments[1];
   const Reply<ServedFile> found = call.context.backend->results.file(call.arguments[0], path.string());
   if (found) return file_answer(call.request, found.value());
@@ -181,7 +181,7 @@ void add_result_routes(std::vector<Route>& routes) {
                     {{200, json, "", "The tileset"},
                      {200, "model/gltf-binary", "", "The surface of a node of the tileset"},
                      {304, "", "", "The file is the one that If-None-Match names"}},
-                    tileset});
+                    tileset_file_of});
   routes.push_back({"DELETE",
                     "/v1/triangulations/{triangulation}/files/{path*}",
                     Role::submit,
