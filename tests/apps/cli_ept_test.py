@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 
 from cli import BAD_INPUT, IO, USAGE, CliTest
+from object_server import ObjectServer
 
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
 COLOURS = DATA / "ept" / "colours"
@@ -167,6 +168,18 @@ class EptTest(CliTest):
         laz = COLOURS / "ept-data" / "0-0-0-0.laz"
         colours = ("--attributes", "red,green,blue,classification")
         self.assertEqual(self.digest("a", COLOURS / "ept.json", *colours), self.digest("b", laz, *colours))
+
+    def test_a_cloud_behind_http(self):
+        path, points, _ = self.ept("cloud", records(20000), "zstandard")
+        files = {file.relative_to(path.parent).as_posix(): file.read_bytes() for file in path.parent.rglob("*") if file.is_file()}
+        with ObjectServer(files) as server:
+            self.assertEqual(self.digest("far", server.url("ept.json")), self.digest("near", path))
+            first = len(server.requests)
+            box = ("--bbox", "130,0,40,134,4,44", "--json")
+            cells = [json.loads(self.ok("region", cloud, *box, "-o", name))["cells"] for cloud, name in ((server.url("ept.json"), "a"), (path, "b"))]
+            self.assertEqual(cells[0], cells[1])
+            tiles = {request.name for request in server.requests[first:] if "ept-data" in request.name}
+            self.assertLess(len(tiles), sum("ept-data" in name for name in files) / 2)
 
     def test_what_is_wrong_is_said(self):
         path, *_ = self.ept("good", records(300))
