@@ -28,8 +28,12 @@ from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "hag", "from_arrow", "to_pyvista", "HeightsFile", "connect", "Client", "Job", "Event", "View", "ViewerLink", "Live", "PointsChanged", "VersionMade", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density", "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "ProgressBar", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
-           "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
+__all__ = ["triangulate", "region", "open", "info", "hag", "from_arrow", "to_pyvista", "HeightsFile", "connect",
+           "Client", "Job", "Event", "View", "ViewerLink", "Live", "PointsChanged", "VersionMade", "Triangulation",
+           "Tile", "Tiles", "Located", "Star", "Part", "Raster", "AlphaShape", "Contour", "Profile", "Density",
+           "VolumeTable", "VoronoiFile", "Update", "Weights", "Progress", "ProgressBar", "Proof", "Columns", "Measures",
+           "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError", "IoError", "CorruptError",
+           "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # help() and messages show these names as members of the package.
 for _public in __all__:
     globals()[_public].__module__ = __package__

@@ -137,7 +137,8 @@ def python_class(node):
 def python_page(package):
     """All that the package exports, in the order of __all__."""
     init = ast.parse((package / "__init__.py").read_text())
-    exported = next(ast.literal_eval(node.value) for node in init.body
+    public = ast.parse((package / "_public.py").read_text())
+    exported = next(ast.literal_eval(node.value) for node in public.body
                     if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__")
     found = {}
     for path in sorted(package.glob("*.py")):

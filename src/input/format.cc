@@ -94,7 +94,7 @@ std::filesystem::path without_packing(const std::filesystem::path& path) {
   return path.parent_path() / path.stem();
 }
 
-std::string point_file_endings() { return listed_endings({}) + ", " + ept_file_name; }
+std::string point_file_endings() { return listed_endings({}); }
 
 Error unknown_format(const std::filesystem::path& path) {
   return error(Errc::bad_input,

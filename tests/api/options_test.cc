@@ -90,7 +90,8 @@ TEST_F(OptionsOfTheCommand, ResolutionChoosesLevelsOfCopc) {
   EXPECT_EQ(triangulate({copc}, two_threads().resolution(1)).vertices(), 256u) << "it has one level";
   std::ofstream(home_.path() / "a.xyz") << "0 0 0\n";
   const auto failure = failure_of([&] { triangulate({home_.path() / "a.xyz"}, two_threads().resolution(1)); });
-  EXPECT_NE(std::string(failure.what()).find("is not COPC, so it has no levels for resolution"), std::string::npos);
+  EXPECT_NE(std::string(failure.what()).find("is neither COPC nor EPT, so it has no levels for resolution"),
+            std::string::npos);
 }
 
 TEST_F(OptionsOfTheCommand, AnInputListNamesFiles) {

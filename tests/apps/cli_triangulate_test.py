@@ -59,7 +59,7 @@ class Triangulate(CliTest):
         self.ok("triangulate", copc, "-o", self.out, "--resolution", "1", "--attributes", "intensity", "--quiet")
         self.ok("verify", self.out, "--against-cgal", "--quiet")
         self.assertEqual(self.json_lines(self.ok("info", self.out, "--json"))[0]["points"], 256)
-        self.refused(USAGE, "triangulate", f"{IGN}/*.las", "-o", "other", "--resolution", "1", says="is not COPC")
+        self.refused(USAGE, "triangulate", f"{IGN}/*.las", "-o", "other", "--resolution", "1", says="is neither COPC nor EPT")
         self.refused(USAGE, "triangulate", copc, "-o", "other", "--resolution", "0", says="is not a distance")
 
     def test_points_that_are_not_finite_are_skipped_when_asked_for(self):

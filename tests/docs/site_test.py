@@ -41,7 +41,7 @@ class Reference(unittest.TestCase):
 
     def test_of_python_has_what_the_package_exports(self):
         page = reference.python_page(SOURCE / "python/tessera")
-        exported = re.search(r"__all__ = \[(.*?)\]", (SOURCE / "python/tessera/__init__.py").read_text(), re.DOTALL)[1]
+        exported = re.search(r"__all__ = \[(.*?)\]", (SOURCE / "python/tessera/_public.py").read_text(), re.DOTALL)[1]
         for name in re.findall(r'"(\w+)"', exported):
             self.assertRegex(page, rf"(?m)^##+ {name}$")
 

@@ -44,7 +44,7 @@ def cell_data(path):
 
 
 def off(path):
-    words = path.read_text().split()
+    words = " ".join(line for line in path.read_text().splitlines() if not line.startswith("#")).split()
     assert words[0] == "OFF"
     points, cells = int(words[1]), int(words[2])
     places = np.array(words[4:4 + 3 * points], float).reshape(-1, 3)

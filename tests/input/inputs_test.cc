@@ -64,8 +64,8 @@ TEST_F(Inputs, OfAFolderWithoutPointFilesAreAnError) {
   EXPECT_EQ(names({.patterns = {at("block")}}),
             at("block") +
                 ": holds no point files (.las, .laz, .ply, .off, .obj, .stl, .npy, "
-                ".pcd, .e57, .ptx, .xyz, .csv, .tsv, .txt, .asc, .pts, .dat, and these "
-                "with .gz or .zst); recursive=true looks into its subfolders, too");
+                ".pcd, .e57, .ptx, .xyz, .csv, .tsv, .txt, .asc, .pts, .dat, these "
+                "with .gz or .zst, and ept.json); recursive=true looks into its subfolders, too");
   EXPECT_EQ(find({.patterns = {at("block")}}).error().code, Errc::io);
   EXPECT_EQ(names({.patterns = {at("out")}}),
             at("out") + ": is a result folder, and holds no input; exporting it makes point files");

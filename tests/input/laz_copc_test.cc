@@ -185,7 +185,7 @@ TEST(Laz, RefusesAResolutionForFilesWithoutLevels) {
   const auto cloud = Cloud::open({(clouds / "lone_star_begin.laz").string()}, {.resolution = 1});
   ASSERT_TRUE(cloud.has_error());
   EXPECT_EQ(cloud.error().code, Errc::usage);
-  EXPECT_NE(cloud.error().where.find("lone_star_begin.laz: is not COPC"), std::string::npos);
+  EXPECT_NE(cloud.error().where.find("lone_star_begin.laz: is neither COPC nor EPT"), std::string::npos);
 }
 
 class Seekable : public testing::TestWithParam<RealCloud> {};

@@ -21,7 +21,7 @@ class Recipe(unittest.TestCase):
     def test_it_names_what_cmake_looks_for(self):
         # Another name there, or a package that a listed one brings along.
         names = {"boost": "libboost-headers", "cgal": "cgal-cpp", "protobuf": "libprotobuf", "expat": "libexpat",
-                 "tsl-robin-map": "robin-map", "gdal": "libgdal-core", "threads": None}
+                 "tsl-robin-map": "robin-map", "gdal": "libgdal-core", "curl": "libcurl", "threads": None}
         wanted = {name.lower() for name in re.findall(r"find_package\((\S+)", (SOURCE / "CMakeLists.txt").read_text())}
         wanted -= {"gtest"}  # of the tests
         given = {line.split()[0] for line in self.recipe["requirements"]["host"]}

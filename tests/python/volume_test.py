@@ -31,7 +31,7 @@ class Volume(unittest.TestCase):
             table = before.volume(after, **given)
             done = subprocess.run([os.environ["TESSERA"], "volume", before.folder, after.folder, *map(str, options), "--json"],
                                   check=True, capture_output=True, text=True)
-            rows = json.loads(done.stdout)["rows"]
+            rows = json.loads(done.stdout.splitlines()[-1])["rows"]
             for name in "cut", "fill", "net", "mean", "area", "covered", "uncovered", "uncovered_by_a", "uncovered_by_b":
                 self.assertEqual(getattr(table, name).tolist(), [row[name] for row in rows])
             self.assertEqual(table.names, [row["name"] for row in rows if "name" in row])

@@ -80,7 +80,8 @@ Result<std::vector<std::string>> files_of_folder(const std::string& folder, bool
   if (files.empty()) {
     const std::string advice = "; " + option("recursive", "true") + " looks into its subfolders, too";
     return error(Errc::io, folder + ": holds no point files (" + point_file_endings() +
-                               ", and these with .gz or .zst)" + (subfolders && !recursive ? advice : ""));
+                               ", these with .gz or .zst, and " + ept_file_name + ")" +
+                               (subfolders && !recursive ? advice : ""));
   }
   std::sort(files.begin(), files.end());
   return files;
