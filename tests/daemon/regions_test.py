@@ -1,5 +1,6 @@
 """Regions, rasters and lines as jobs of the daemon, and questions to results that are regions: what is said to be final is so."""
 import json
+import re
 import unittest
 
 import numpy as np
@@ -228,8 +229,14 @@ class Questions(WithDaemon):
         told, some = cells("part2", far)
         self.assertFalse(told)
         self.assertLess(len(some), len(cells("whole2", far)[1]))
+
+        def answer(name, question):  # without the digest of the result that answers
+            told, found = self.ask(name, f"{question}bbox={near}")
+            if isinstance(found, bytes):
+                return told, re.sub(rb'(RESULT_DIGEST">)\w+', rb"\1", found)
+            return told, {key: value for key, value in found.items() if key != "result"}
         for question in ("dem?res=0.5&", "contours?interval=0.5&"):
-            self.assertEqual(self.ask("part2", f"{question}bbox={near}"), self.ask("whole2", f"{question}bbox={near}"))
+            self.assertEqual(answer("part2", question), answer("whole2", question))
             self.assertFalse(self.ask("part2", f"{question}bbox={far}")[0])
         line = f"profile?line={x - 4},{y - 3}%20{x + 4},{y + 2}"
         self.assertEqual(self.ask("part2", line), self.ask("whole2", line))
