@@ -14,4 +14,11 @@ struct FilePart {
   Bounds bounds;                        // a closed box of all its points, as the file states it
 };
 
+// Whether a point may be in both of these closed boxes.
+inline bool meets(const Bounds& bounds, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (bounds.hi[axis] < box.lo[axis] || bounds.lo[axis] > box.hi[axis]) return false;
+  return true;
+}
+
 }  // namespace tessera

@@ -27,10 +27,6 @@ class HolesTold final : public Finished {
   ToldOfHoles told_;
 };
 
-}  // namespace
-
-namespace {
-
 // Whether the points that stay span space: only then has every point a star without the exchange.
 bool span_space(const TileMesh& mesh, const PointIds& removed) {
   AffineBasis basis(mesh.dimension);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 
+#include "src/geometry/reference/differing_cells.h"
 #include "src/geometry/reference/reference.h"
 
 namespace tessera {
@@ -82,18 +82,7 @@ std::vector<PeriodicCell> periodic_main_cells(std::span<const TileMesh> meshes) 
 }
 
 std::string difference(const std::vector<PeriodicCell>& expected, const std::vector<PeriodicCell>& got) {
-  std::vector<PeriodicCell> missing, extra;
-  std::set_difference(expected.begin(), expected.end(), got.begin(), got.end(), std::back_inserter(missing));
-  std::set_difference(got.begin(), got.end(), expected.begin(), expected.end(), std::back_inserter(extra));
-  std::string out;
-  const auto tell = [&](const char* what, const std::vector<PeriodicCell>& cells) {
-    if (cells.empty()) return;
-    out += (out.empty() ? "" : "; ") + std::string(what) + " " + std::to_string(cells.size()) + ":";
-    for (std::size_t i = 0; i < cells.size() && i < 5; ++i) out += " " + text_of(cells[i]);
-  };
-  tell("missing", missing);
-  tell("extra", extra);
-  return out;
+  return differing_cells(expected, got, [](const PeriodicCell& cell) { return text_of(cell); });
 }
 
 PeriodicCloud wrapped(int dimension, std::span<const LocalPoint> points, const Period& period) {

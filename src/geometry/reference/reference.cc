@@ -7,9 +7,10 @@
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <utility>
+
+#include "src/geometry/reference/differing_cells.h"
 
 namespace tessera {
 namespace {
@@ -96,18 +97,7 @@ std::vector<IdCell> main_cells(std::span<const TileMesh> meshes) {
 }
 
 std::string difference(const std::vector<IdCell>& expected, const std::vector<IdCell>& got) {
-  std::vector<IdCell> missing, extra;
-  std::set_difference(expected.begin(), expected.end(), got.begin(), got.end(), std::back_inserter(missing));
-  std::set_difference(got.begin(), got.end(), expected.begin(), expected.end(), std::back_inserter(extra));
-  std::string out;
-  const auto tell = [&](const char* what, const std::vector<IdCell>& cells) {
-    if (cells.empty()) return;
-    out += (out.empty() ? "" : "; ") + std::string(what) + " " + std::to_string(cells.size()) + ":";
-    for (std::size_t i = 0; i < cells.size() && i < 5; ++i) out += " " + text_of(cells[i]);
-  };
-  tell("missing", missing);
-  tell("extra", extra);
-  return out;
+  return differing_cells(expected, got, [](const IdCell& cell) { return text_of(cell); });
 }
 
 }  // namespace tessera

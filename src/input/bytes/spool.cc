@@ -21,8 +21,6 @@ namespace {
 
 constexpr const char* standard_input_name = "standard input";
 
-std::string cause(int code) { return std::generic_category().message(code); }
-
 std::string megabytes(std::uint64_t bytes) {
   return std::to_string(bytes / 1'000'000) + "." + std::to_string(bytes / 100'000 % 10) + " MB";
 }
@@ -38,7 +36,8 @@ Result<std::size_t> read_standard_input(std::span<std::byte> out, const std::sto
     const auto got = ::read(STDIN_FILENO, out.data(), out.size());
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno != EINTR && errno != EAGAIN)
-      return error(Errc::io, std::string(standard_input_name) + ": cannot be read: " + cause(errno));
+      return error(Errc::io,
+                   std::string(standard_input_name) + ": cannot be read: " + std::generic_category().message(errno));
   }
 }
 
@@ -120,7 +119,7 @@ Result<std::shared_ptr<const ByteSource>> Spool::keep(Origin origin, FileFormat 
       const auto put = ::pwrite(file->handle.get(), block.data(), block.size(), static_cast<off_t>(file->size));
       if (put < 0 && errno == EINTR) continue;
       if (put < 0) {
-        const std::string why = cause(errno);
+        const std::string why = std::generic_category().message(errno);
         const std::string where = folder_.empty() ? "the system's temporary folder (see TMPDIR)" : folder_.string();
         return error(Errc::io, name + ": could not be kept in " + where + " beyond its first " +
                                    megabytes(file->size - begin) + ": " + why);
@@ -166,7 +165,8 @@ Result<std::shared_ptr<const ByteSource>> Spool::standard_input() {
   if (::isatty(STDIN_FILENO) != 0)
     return error(Errc::usage, name + ": is a terminal; pipe points into it, or name a file instead of '-'");
   struct stat status {};
-  if (::fstat(STDIN_FILENO, &status) != 0) return error(Errc::io, name + ": cannot be examined: " + cause(errno));
+  if (::fstat(STDIN_FILENO, &status) != 0)
+    return error(Errc::io, name + ": cannot be examined: " + std::generic_category().message(errno));
   if (S_ISDIR(status.st_mode)) return error(Errc::bad_input, name + ": is a folder");
   if (S_ISREG(status.st_mode) && ::lseek(STDIN_FILENO, 0, SEEK_CUR) == 0) {
     BOOST_OUTCOME_TRY(file, open_descriptor(name, ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0), ""));

@@ -9,6 +9,7 @@
 #include "src/base/crs/crs.h"
 #include "src/base/json/json_text.h"
 #include "src/base/printable.h"
+#include "src/input/bytes/number_type.h"
 
 namespace tessera::ept {
 namespace {
@@ -139,22 +140,10 @@ class InfoReader {
   }
 
   static std::optional<AttributeType> type_of(const std::string& kind, std::uint64_t bytes) {
-    using enum AttributeType;
-    if (kind == "float") return bytes == 4 ? std::optional(f32) : bytes == 8 ? std::optional(f64) : std::nullopt;
-    const bool sign = kind == "signed";
-    if (!sign && kind != "unsigned") return {};
-    switch (bytes) {
-      case 1:
-        return sign ? i8 : u8;
-      case 2:
-        return sign ? i16 : u16;
-      case 4:
-        return sign ? i32 : u32;
-      case 8:
-        return sign ? i64 : u64;
-      default:
-        return {};
-    }
+    if (kind == "float") return number_type(NumberKind::floating, bytes);
+    if (kind == "signed") return number_type(NumberKind::with_sign, bytes);
+    if (kind == "unsigned") return number_type(NumberKind::without_sign, bytes);
+    return {};
   }
 
   // The text in well-known text is more exact than the code, as in LAS.

@@ -6,6 +6,7 @@
 
 #include "src/input/ept/ept_nodes.h"
 #include "src/input/ept/ept_tile.h"
+#include "src/input/file_part.h"
 
 namespace tessera {
 namespace {
@@ -15,12 +16,6 @@ struct Chosen {
   ept::Node node;
   std::uint64_t passed_over = 0;
 };
-
-bool meets(const Bounds& bounds, const Box& box) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (bounds.hi[axis] < box.lo[axis] || bounds.lo[axis] > box.hi[axis]) return false;
-  return true;
-}
 
 class EptReader : public PointReader {
  public:

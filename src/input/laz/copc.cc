@@ -8,6 +8,7 @@
 #include "src/base/option.h"
 #include "src/input/bytes/far_source.h"
 #include "src/input/bytes/fields.h"
+#include "src/input/file_part.h"
 
 namespace tessera::laz {
 namespace {
@@ -40,12 +41,6 @@ struct Octree {
     return bounds;
   }
 };
-
-bool meets(const Bounds& bounds, const Box& box) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (bounds.hi[axis] < box.lo[axis] || bounds.lo[axis] > box.hi[axis]) return false;
-  return true;
-}
 
 // Returns the part of `cube` within the header's box, which rounding may have made too small by `slack`. If there is no
 // such part, one of the two is wrong, and the whole cube is returned.

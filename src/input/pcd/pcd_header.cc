@@ -11,6 +11,7 @@
 
 #include "src/base/printable.h"
 #include "src/input/bytes/line_reader.h"
+#include "src/input/bytes/number_type.h"
 #include "src/input/text/text_columns.h"
 
 namespace tessera {
@@ -26,22 +27,10 @@ std::optional<std::uint64_t> whole_number(std::string_view word) {
 }
 
 std::optional<AttributeType> type_of(std::string_view letter, std::uint64_t bytes) {
-  using enum AttributeType;
-  if (letter == "F") return bytes == 4 ? std::optional(f32) : bytes == 8 ? std::optional(f64) : std::nullopt;
-  const bool is_signed = letter == "I";
-  if (!is_signed && letter != "U") return std::nullopt;
-  switch (bytes) {
-    case 1:
-      return is_signed ? i8 : u8;
-    case 2:
-      return is_signed ? i16 : u16;
-    case 4:
-      return is_signed ? i32 : u32;
-    case 8:
-      return is_signed ? i64 : u64;
-    default:
-      return std::nullopt;
-  }
+  if (letter == "F") return number_type(NumberKind::floating, bytes);
+  if (letter == "I") return number_type(NumberKind::with_sign, bytes);
+  if (letter == "U") return number_type(NumberKind::without_sign, bytes);
+  return std::nullopt;
 }
 
 // Takes the lines of a header one by one.
