@@ -81,6 +81,8 @@ class TESSERA_PUBLIC TriangulationOptions {
   TriangulationOptions& heights(bool heights);
   // Takes only points of these LAS classes, 0 to 255. Empty, the default: all.
   TriangulationOptions& classes(std::vector<int> classes);
+  // E57 and PTX files: takes only points of these scans, numbered from 0 in each file. Empty, the default: all.
+  TriangulationOptions& scans(std::vector<std::uint32_t> scans);
   // Takes only the "first", "last" or "single" return of each laser pulse; "all", the default, takes all.
   TriangulationOptions& returns(const std::string& which);
   // Leaves out points that have one of these LAS flags: "withheld", "synthetic", "overlap", "key_point".

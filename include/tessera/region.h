@@ -23,7 +23,7 @@ class TESSERA_PUBLIC RegionRequest {
   ~RegionRequest();
 
   // Reads all files once to learn where their points are, instead of relying on the boxes that the files state.
-  RegionRequest& scan(bool scan);
+  RegionRequest& scan_files(bool scan);
   // Triangulates at most so many points; by default as many as fit in memory.
   RegionRequest& max_points(std::uint64_t points);
   // Gives up after about so many seconds, above 0; by default never.

@@ -37,6 +37,7 @@ void bind_options(py::module_& module) {
       .def("crs", setter(&Options::crs))
       .def("heights", setter(&Options::heights))
       .def("classes", setter(&Options::classes))
+      .def("scans", setter(&Options::scans))
       .def("returns", setter(&Options::returns))
       .def("without", setter(&Options::without))
       .def("keep", setter(&Options::keep))

@@ -172,7 +172,7 @@ void bind_surfaces(py::module_& module) {
   module.def("write_density", &write_grid);
   py::class_<RegionRequest>(module, "RegionRequest")
       .def(py::init<>())
-      .def("scan", [](RegionRequest& self, bool scan) { self.scan(scan); })
+      .def("scan_files", [](RegionRequest& self, bool scan) { self.scan_files(scan); })
       .def("max_points", [](RegionRequest& self, std::uint64_t points) { self.max_points(points); })
       .def("max_seconds", [](RegionRequest& self, double seconds) { self.max_seconds(seconds); });
   module.def("triangulate_region", &region);

@@ -63,7 +63,7 @@ class InternalError(Error, RuntimeError):
 
 
 # The options that have another name here than in the command, apart from dashes.
-NAMES = {"class": "classes", "z": "heights", "type": "doubles"}
+NAMES = {"class": "classes", "scan": "scans", "z": "heights", "type": "doubles"}
 
 
 def argument(key: str, value: str) -> str:

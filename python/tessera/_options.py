@@ -24,7 +24,8 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 returns: str = "all", without: typing.Iterable[str] = (), resolution: float | None = None,
                 columns: typing.Iterable[str] = (), keep: str = "first", store: str = "auto",
                 crs: Path | None = None, heights: bool = True,
-                input_list: Path | None = None, resume: bool = False) -> _tessera.Options:
+                input_list: Path | None = None, resume: bool = False,
+                scans: typing.Iterable[int] = ()) -> _tessera.Options:
     """Returns the options of triangulate(). `dim` None: the dimension of the files."""
     options = _tessera.Options()
     if dim not in (None, 2, 3):
@@ -48,6 +49,7 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
     if crop is not None:
         options.crop(exact_float64(crop, "crop").ravel().tolist())
     options.classes([positive(number + 1, "classes", 257) - 1 for number in classes])
+    options.scans([positive(number + 1, "scans", 2**32) - 1 for number in scans])
     options.returns(returns)
     options.keep(keep)
     options.store(store)

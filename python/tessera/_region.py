@@ -14,7 +14,7 @@ from ._triangulation import Triangulation
 
 
 def region(source: Path | typing.Sequence[Path], bbox: npt.ArrayLike, dim: int | None = None, *,
-           scan: bool = False, max_points: int | None = None, max_seconds: float | None = None,
+           scan_files: bool = False, max_points: int | None = None, max_seconds: float | None = None,
            folder: Path | None = None, overwrite: bool = False, threads: int | None = None,
            memory: int | str | None = None, **options: typing.Any) -> Triangulation:
     """Returns the cells of a place of raw files, without triangulating the rest of the points.
@@ -28,7 +28,7 @@ def region(source: Path | typing.Sequence[Path], bbox: npt.ArrayLike, dim: int |
         As for triangulate(). Options about tiles have no effect.
     bbox
         A closed box: (xmin, ymin, xmax, ymax), or in 3D (xmin, ymin, zmin, xmax, ymax, zmax).
-    scan
+    scan_files
         Reads all files once to learn where their points are, instead of relying on the boxes that the files state.
     max_points, max_seconds
         Raises MemoryLimitError if more points would have to be triangulated, or if the call takes longer. The message
@@ -40,7 +40,7 @@ def region(source: Path | typing.Sequence[Path], bbox: npt.ArrayLike, dim: int |
     if files is None:
         raise UsageError("region() is for files: it takes a path, a pattern, or a list of them")
     request = _tessera.RegionRequest()
-    request.scan(scan)
+    request.scan_files(scan_files)
     if max_points is not None:
         request.max_points(positive(max_points, "max_points", 2**63))
     if max_seconds is not None:

@@ -25,7 +25,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 classes: typing.Iterable[int] = (), returns: str = "all", without: typing.Iterable[str] = (),
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
-                keep: str = "first", store: str = "auto") -> Triangulation:
+                keep: str = "first", store: str = "auto", scans: typing.Iterable[int] = ()) -> Triangulation:
     """Computes the exact Delaunay triangulation of any number of points: in tiles, on threads, within a memory limit.
 
     Parameters
@@ -64,6 +64,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         None: what the files say.
     classes
         For files: takes only points of these LAS classes, for example [2, 9].
+    scans
+        For E57 and PTX files: takes only points of these scans, which each file numbers from 0.
     returns
         For files: takes only the "first", "last" or "single" return of each laser pulse, or "all".
     without
@@ -124,7 +126,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                           threads=threads, memory=memory, attributes=() if values is not None else attributes, neighbors=neighbors,
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
-                          heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store)
+                          heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store,
+                          scans=scans)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
     report = None if progress is None else lambda *figures: progress(Progress(*figures))
@@ -140,6 +143,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     options.dimension(dim or points.shape[1])
     if classes:
         raise UsageError("classes are for files: choose rows of your array instead")
+    if scans:
+        raise UsageError("scans are for files: choose rows of your array instead")
     if columns:
         raise UsageError("columns are for files: choose and order the columns of your array instead")
     if values is None and attributes:

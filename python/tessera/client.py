@@ -23,7 +23,7 @@ from ._voronoi import VoronoiFile
 from ._viewer import ViewerLink
 
 # The options of triangulate() that have another name in the service.
-FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "spatial_index"}
+FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "scans": "scan", "index": "spatial_index"}
 # Exports of two files: the ending of the other file, by the ending of the file that was asked for.
 BESIDE = {".csv": (".vrt",), ".vrt": (".csv",)}
 

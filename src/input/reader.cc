@@ -53,7 +53,7 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
     case FileFormat::stl:
       return open_stl(std::move(source), attributes);
     case FileFormat::e57:
-      return open_e57(std::move(source), attributes);
+      return open_e57(std::move(source), attributes, hints);
     case FileFormat::ept:
       return open_ept(std::move(source), attributes, hints);
     case FileFormat::pcd:

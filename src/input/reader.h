@@ -81,7 +81,8 @@ class PointReader {
 
 // Hints that let a reader read less or faster. The caller must still filter what the reader gives.
 struct ReadHints {
-  std::optional<Box> crop = {};  // a closed box; the reader may skip points outside
+  std::optional<Box> crop = {};           // a closed box; the reader may skip points outside
+  std::vector<std::uint32_t> scans = {};  // E57: the reader may skip other scans; empty: read all
   double resolution = 0;  // COPC, EPT: read octree levels up to the first whose spacing is at most this; 0: read all
   std::uint32_t threads = 1;  // how many threads may decompress at once
   // Read only this part of the FileInfo::parts. All parts in order give the points of the whole file. Lines in errors

@@ -187,6 +187,16 @@ Result<std::vector<int>> parse_classes(std::string_view text) {
   return classes;
 }
 
+Result<std::vector<std::uint32_t>> parse_scans(std::string_view text) {
+  std::vector<std::uint32_t> scans;
+  for (const auto part : split_commas(text)) {
+    auto number = parse_integer(part, 0, UINT32_MAX);
+    if (!number) return refuse(text, "is not a list of numbers of scans, from 0, like 0,2");
+    scans.push_back(static_cast<std::uint32_t>(number.value()));
+  }
+  return scans;
+}
+
 Result<std::vector<std::string>> parse_names(std::string_view text) {
   std::vector<std::string> names;
   for (const auto part : split_commas(text)) {

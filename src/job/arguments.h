@@ -44,6 +44,7 @@ Result<double> parse_distance(std::string_view text);
 
 // Parses LAS class numbers, 0..255: "2,9".
 Result<std::vector<int>> parse_classes(std::string_view text);
+Result<std::vector<std::uint32_t>> parse_scans(std::string_view text);
 
 // Parses names separated by commas; none may be empty.
 Result<std::vector<std::string>> parse_names(std::string_view text);

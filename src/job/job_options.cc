@@ -20,6 +20,7 @@ std::string options_key(const JobOptions& options) {
   if (options.store != StoreAs::by_size) key["store"] = name_of(options.store);
   if (!options.cloud.crs.empty()) key["crs"] = options.cloud.crs;
   if (options.cloud.keep != DuplicatePolicy::first) key["keep"] = name_of(options.cloud.keep);
+  if (!options.cloud.scans.empty()) key["scans"] = options.cloud.scans;
   if (options.cloud.returns != Returns::all) key["returns"] = static_cast<int>(options.cloud.returns);
   if (!options.cloud.without.empty()) key["without"] = options.cloud.without;
   if (!options.cloud.columns.empty()) key["columns"] = options.cloud.columns;

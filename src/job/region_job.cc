@@ -93,7 +93,7 @@ Result<RegionCloud> open_regions(const std::vector<std::string>& inputs, const R
   opened.dimension = cloud.options().dimension;
   if (opened.dimension == 2 && (std::isfinite(options.box.lo.z) || std::isfinite(options.box.hi.z)))
     return error(Errc::usage, option("bbox") + ": the cloud has no heights; give xmin,ymin,xmax,ymax");
-  BOOST_OUTCOME_TRY(units, CloudUnits::open(std::move(cloud), options.scan, stop));
+  BOOST_OUTCOME_TRY(units, CloudUnits::open(std::move(cloud), options.scan_files, stop));
   opened.points = units->points();
   EqualPoints equal{.keep = options.cloud.keep};
   if (is_by_height(equal.keep)) equal.height_at = height_offset(opened.dimension, opened.schema);

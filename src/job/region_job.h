@@ -21,9 +21,9 @@ namespace tessera {
 
 struct RegionJobOptions {
   CloudOptions cloud;
-  bool scan = false;       // read all files once, instead of trusting the boxes that they state
-  Box box;                 // closed; in 2D without bounds on z
-  RegionShape shape = {};  // the region within the box, if it is not the whole box
+  bool scan_files = false;  // read all files once, instead of trusting the boxes that they state
+  Box box;                  // closed; in 2D without bounds on z
+  RegionShape shape = {};   // the region within the box, if it is not the whole box
   // Checks whether the region can belong to points with this coordinate system and these bounds; null: no check.
   std::function<Status(const std::string& crs, const Bounds& points)> check_place = {};
   RegionLimits limits;

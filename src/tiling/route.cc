@@ -136,7 +136,8 @@ Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, 
   const auto refuse = [&](const std::string& reason) { return error(Errc::bad_input, name_of(cloud) + ": " + reason); };
   if (points == 0 && counts.read > 0) {
     return refuse("no points are left of " + std::to_string(counts.read) + ": " + std::to_string(counts.filtered) +
-                  " were filtered out, " + std::to_string(counts.invalid) + " were not finite" + what_there_is(counts));
+                  " were filtered out, " + std::to_string(counts.invalid) + " were not finite" + what_there_is(counts) +
+                  (cloud.options().scans.empty() ? "" : "; scans are numbered from 0"));
   }
   if (rank == dimension) return success();
   const bool plane = rank == 2 && points > 3;

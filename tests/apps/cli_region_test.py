@@ -123,7 +123,7 @@ class RegionTest(CliTest):
     def test_equal_regions_are_equal_files(self):
         for name in ("a", "b"):
             self.ok("region", *BLOCK, "--dim", "2", "--bbox", text(BOX), "-o", self.folder / name, "--quiet",
-                    *["--scan"] * (name == "b"))
+                    *["--scan-files"] * (name == "b"))
         tiles = [(self.folder / name / "tiles" / "000000.vtu").read_bytes() for name in ("a", "b")]
         self.assertEqual(*tiles)
 

@@ -173,6 +173,26 @@ TEST_F(CloudOfFiles, KeepsTheReturnsAskedForAndDropsFlaggedPoints) {
             at("a.las") + ": has no attribute 'overlap', so without cannot choose points by it");
 }
 
+TEST_F(CloudOfFiles, KeepsTheScansAskedFor) {
+  const std::string header = "1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  file("a.ptx", header + "1 0 0 1\n2 0 0 1\n" + header + "3 0 0 1\n0 0 0 1\n" + header + "4 0 0 1\n5 0 0 1\n");
+  const auto ids = [&](std::vector<std::uint32_t> scans) {
+    const auto all = collect({at("a.ptx")}, {.scans = std::move(scans)});
+    EXPECT_EQ(sentence(all), "");
+    std::vector<std::uint64_t> found;
+    for (const auto& p : all.value().points) found.push_back(p.id.value);
+    EXPECT_EQ(all.value().counts.filtered, 5 - found.size());
+    return found;
+  };
+  EXPECT_EQ(ids({}), (std::vector<std::uint64_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(ids({1}), (std::vector<std::uint64_t>{2}));
+  EXPECT_EQ(ids({2, 0, 9}), (std::vector<std::uint64_t>{0, 1, 3, 4}));
+  EXPECT_EQ(ids({3}), (std::vector<std::uint64_t>{}));
+  file("b.xyz", "1 2 3\n");
+  EXPECT_EQ(sentence(collect({at("b.xyz")}, {.scans = {2}})),
+            at("b.xyz") + ": has no attribute 'scan', so scan cannot choose points by it");
+}
+
 TEST_F(CloudOfFiles, TellsWhatWasFilteredOut) {
   LasFile las;
   for (int i = 0; i < 3; ++i) las.points.push_back({100 * i, 0, 700});  // of classes 15, 16 and 17

@@ -178,6 +178,46 @@ TEST(E57Reader, MovesEachScanByItsPose) {
   EXPECT_EQ(cell<std::uint32_t>(read.value(), schema, 5, 0), 3u);
 }
 
+TEST(E57Reader, SaysWhereTheScannerWasIfTheFileSaysSo) {
+  MadeScan moved = scan_of({{1, 2, 3}});
+  moved.pose =
+      "<pose type=\"Structure\"><translation type=\"Structure\"><x type=\"Float\">10</x><y type=\"Float\">-4</y>"
+      "<z type=\"Float\"/></translation></pose>";
+  const std::vector<Attribute> schema{{"scan", AttributeType::u32},
+                                      {"x_origin", AttributeType::f64},
+                                      {"y_origin", AttributeType::f64},
+                                      {"z_origin", AttributeType::f64}};
+  const auto read = read_bytes(e57({scan_of({{1, 2, 3}}), moved}), "a.e57", schema);
+  ASSERT_EQ(sentence(read), "");
+  EXPECT_EQ(read.value().info.attributes, schema);
+  EXPECT_TRUE(std::isnan(cell<double>(read.value(), schema, 0, 1)));
+  EXPECT_EQ(cell<double>(read.value(), schema, 1, 1), 10);
+  EXPECT_EQ(cell<double>(read.value(), schema, 1, 2), -4);
+  EXPECT_EQ(cell<double>(read.value(), schema, 1, 3), 0);
+  EXPECT_EQ(read_bytes(e57({scan_of({{1, 2, 3}})}), "a.e57").value().info.attributes.size(), 1u);
+}
+
+TEST(E57Reader, OtherScansThanThoseAskedForArePassedOverAndCounted) {
+  MadeScan marked = scan_of({{7, 7, 7}, {8, 8, 8}});  // may have records that are no points, so it is read
+  marked.prototype += element("cartesianInvalidState", "\"Integer\" minimum=\"0\" maximum=\"2\"");
+  marked.fields.emplace_back();
+  marked.fields[3].add(0, 2);
+  marked.fields[3].add(1, 2);
+  const auto bytes = e57({scan_of({{1, 1, 1}, {2, 2, 2}}), marked, scan_of({{3, 3, 3}}), scan_of({{4, 4, 4}})});
+  const auto reader = open_bytes(bytes, "a.e57", {}, ReadHints{.scans = {2}});
+  ASSERT_EQ(sentence(reader), "");
+  PointBatch batch;
+  std::vector<Point> points;
+  std::vector<std::uint64_t> passed_over;
+  do {
+    ASSERT_EQ(sentence(reader.value()->next(batch)), "");
+    points.insert(points.end(), batch.points.begin(), batch.points.end());
+    passed_over.push_back(batch.passed_over);
+  } while (!batch.points.empty());
+  EXPECT_EQ(points, (std::vector<Point>{{7, 7, 7}, {3, 3, 3}}));
+  EXPECT_EQ(passed_over, (std::vector<std::uint64_t>{2, 0, 1}));
+}
+
 TEST(E57Reader, InvalidPointsAreLeftOutAndSphericalOnesConverted) {
   MadeScan scan;
   scan.prototype = element("sphericalRange", "\"Float\"") + element("sphericalAzimuth", "\"Float\"") +

@@ -423,7 +423,7 @@ TEST_F(CopyByHand, KeepsWaveforms) {
                                before.value().bytes.begin() + static_cast<std::ptrdiff_t>(i * stride + stride),
                                records.value().bytes.begin() + static_cast<std::ptrdiff_t>(i * (stride + 4))));
       const auto packed = make_copy(in, folder().path() / "packed.laz", {.packing = LasPacking::laz});
-      EXPECT_NE(sentence(packed).find("which hold waveforms; these are copied to LAS, and not compressed"),
+      EXPECT_NE(sentence(packed).find("which hold waveforms; these are copied only from LAS to LAS"),
                 std::string::npos);
       put<std::uint64_t>(bytes, 227, begin - 100);
       folder().write("in.las", bytes);

@@ -168,14 +168,5 @@ TEST(Laz, RefusesAbsurdHeaders) {
       false);
 }
 
-TEST(Laz, SaysWhatToDoWithWaveforms) {
-  auto bytes = file_bytes(small / "lone_star.laz");
-  put<std::uint8_t>(bytes, 104, 0x84);
-  put<std::uint16_t>(bytes, 105, 57);
-  EXPECT_EQ(sentence(read_bytes(bytes, "a.laz")),
-            "a.laz: is LAZ in point format 4, which holds waveforms; these are not decompressed. Convert it to point "
-            "format 1 or 3, or to LAS");
-}
-
 }  // namespace
 }  // namespace tessera::testing_io

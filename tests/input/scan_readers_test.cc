@@ -18,7 +18,11 @@ std::string pts_refusal(const std::string& text) { return sentence(read_text(tex
 TEST(PtxReader, MovesEachScanByItsMatrixAndSkipsPulsesWithoutEcho) {
   const std::string text = "2\n2\n" + identity + "1 2 3 0.5\n0 0 0 0.5\n4 5 6 0.25\n7 8.5 9 1\n" + "1\n3\n" + turned +
                            "1 2 3 0.125\n0 0 0 0.5\n0.5 0 0 0\n";
-  const std::vector<Attribute> schema{{"intensity", AttributeType::f32}, {"scan", AttributeType::u32}};
+  const std::vector<Attribute> schema{{"intensity", AttributeType::f32},
+                                      {"scan", AttributeType::u32},
+                                      {"x_origin", AttributeType::f64},
+                                      {"y_origin", AttributeType::f64},
+                                      {"z_origin", AttributeType::f64}};
   const auto read = read_text(text, "a.ptx", schema);
   ASSERT_EQ(sentence(read), "");
   EXPECT_EQ(read.value().points,
@@ -29,6 +33,9 @@ TEST(PtxReader, MovesEachScanByItsMatrixAndSkipsPulsesWithoutEcho) {
   EXPECT_EQ(cell<float>(read.value(), schema, 3, 0), 0.125f);
   EXPECT_EQ(cell<std::uint32_t>(read.value(), schema, 2, 1), 0u);
   EXPECT_EQ(cell<std::uint32_t>(read.value(), schema, 4, 1), 1u);
+  EXPECT_EQ(cell<double>(read.value(), schema, 2, 3), 0);
+  EXPECT_EQ(cell<double>(read.value(), schema, 3, 2), 100);
+  EXPECT_EQ(cell<double>(read.value(), schema, 4, 4), 300);
 }
 
 TEST(PtxReader, ReadsColoursIfTheFirstScanHasThem) {
@@ -37,7 +44,7 @@ TEST(PtxReader, ReadsColoursIfTheFirstScanHasThem) {
   ASSERT_EQ(sentence(read), "");
   EXPECT_EQ(cell<std::uint8_t>(read.value(), schema, 0, 0), 255);
   EXPECT_EQ(cell<std::uint8_t>(read.value(), schema, 1, 1), 3);
-  ASSERT_EQ(read.value().info.attributes.size(), 5u);
+  ASSERT_EQ(read.value().info.attributes.size(), 8u);
 }
 
 TEST(PtxReader, WhatMakesNoSenseIsRefusedWithItsLine) {

@@ -56,6 +56,7 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
     options.crop = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
   }
   options.classes.assign(routing.classes().begin(), routing.classes().end());
+  options.scans.assign(routing.scans().begin(), routing.scans().end());
   options.without.assign(routing.without().begin(), routing.without().end());
   options.columns.assign(routing.columns().begin(), routing.columns().end());
   if (!check_columns(options.columns)) return refuse("has names of columns that cannot be read as points");
@@ -115,6 +116,7 @@ Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud
       for (int i = 0; i < 3; ++i) routing.add_crop(p[i]);
   }
   routing.mutable_classes()->Assign(options.classes.begin(), options.classes.end());
+  routing.mutable_scans()->Assign(options.scans.begin(), options.scans.end());
   for (const std::string& flag : options.without) routing.add_without(flag);
   for (const std::string& name : options.columns) routing.add_columns(name);
   routing.set_resolution(options.resolution);

@@ -87,6 +87,10 @@ TriangulationOptions& TriangulationOptions::classes(std::vector<int> classes) {
   impl_->job.cloud.classes = std::move(classes);
   return *this;
 }
+TriangulationOptions& TriangulationOptions::scans(std::vector<std::uint32_t> scans) {
+  impl_->job.cloud.scans = std::move(scans);
+  return *this;
+}
 TriangulationOptions& TriangulationOptions::returns(const std::string& which) {
   impl_->returns = which;
   return *this;

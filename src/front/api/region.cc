@@ -14,7 +14,7 @@
 namespace tessera {
 
 struct RegionRequest::Impl {
-  bool scan = false;
+  bool scan_files = false;
   RegionLimits limits;
 };
 
@@ -26,8 +26,8 @@ RegionRequest& RegionRequest::operator=(const RegionRequest& other) {
 }
 RegionRequest::~RegionRequest() = default;
 
-RegionRequest& RegionRequest::scan(bool scan) {
-  impl_->scan = scan;
+RegionRequest& RegionRequest::scan_files(bool scan) {
+  impl_->scan_files = scan;
   return *this;
 }
 RegionRequest& RegionRequest::max_points(std::uint64_t points) {
@@ -46,7 +46,7 @@ RegionJobOptions region_options(std::span<const double> box, const Triangulation
   const auto& asked = OptionsInside::of(request);
   const JobOptions job = job_options(given);
   RegionJobOptions options{.cloud = job.cloud,
-                           .scan = asked.scan,
+                           .scan_files = asked.scan_files,
                            .box = {},
                            .limits = asked.limits,
                            .neighbors = job.neighbors,

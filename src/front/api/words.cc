@@ -8,8 +8,12 @@ namespace tessera {
 namespace {
 
 // The keys with another name here. All others have the name of the command, with _ for -.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> names{
-    {{"class", "classes"}, {"dim", "dimension"}, {"memory", "memory_bytes"}, {"type", "doubles"}, {"z", "heights"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> names{{{"class", "classes"},
+                                                                              {"dim", "dimension"},
+                                                                              {"memory", "memory_bytes"},
+                                                                              {"scan", "scans"},
+                                                                              {"type", "doubles"},
+                                                                              {"z", "heights"}}};
 
 bool is_word(std::string_view value) {
   return value != "true" && value != "false" && value.find_first_not_of("0123456789.-") != std::string_view::npos;

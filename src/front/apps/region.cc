@@ -65,8 +65,8 @@ Result<RegionJobOptions> read_job(Settings& settings) {
   } else {
     return error(Errc::usage, "no region is given; add --bbox xmin,ymin,xmax,ymax, or --polygon FILE");
   }
-  BOOST_OUTCOME_TRY(scan, settings.on("scan"));
-  job.scan = scan;
+  BOOST_OUTCOME_TRY(scan, settings.on("scan-files"));
+  job.scan_files = scan;
   BOOST_OUTCOME_TRY(points, settings.get("max-points", [](const std::string& text) { return parse_count(text); }));
   job.limits.max_points = points.value_or(job.limits.max_points);
   BOOST_OUTCOME_TRY(seconds, settings.get("max-seconds", [](const std::string& text) { return parse_distance(text); }));
@@ -136,7 +136,7 @@ Command add_region(CLI::App& root) {
       "The cells are those of the whole triangulation that have a point in common with the region, its border "
       "included.\n"
       "Of COPC and EPT only the octree nodes that are needed are read; other files are read whole. Points that are\n"
-      "not read are taken to lie in the box that their file states, unless --scan is given.");
+      "not read are taken to lie in the box that their file states, unless --scan-files is given.");
   add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: the region", 0, true);
   add_value(command, "polygon", "FILE", "the region: the polygons of a GeoJSON file, in the coordinates of the points",
             0, true);
@@ -152,7 +152,7 @@ Command add_region(CLI::App& root) {
   add_switch(command, "partial",
              "when one of these limits is reached, write the cells that are known, with the cell attribute final (0 or "
              "1), instead of failing");
-  add_switch(command, "scan",
+  add_switch(command, "scan-files",
              "read all files once to see where their points are, instead of relying on the boxes that they state");
   add_point_options(command);
   add_switch(command, "overwrite", "replace a result or file that exists", 0, true);

@@ -34,6 +34,7 @@ void add_source_options(Command& command) {
   add_switch(command, "anonymous", "s3://: do not sign requests, for objects that anyone may read");
   add_switch(command, "requester-pays", "s3://: agree to pay for what is transferred, where the owner wants that");
   add_value(command, "class", "LIST", "keep only points of these LAS classes, for example 2,9");
+  add_value(command, "scan", "LIST", "E57, PTX: keep only points of these scans, numbered from 0, for example 0,2");
   add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");
   add_value(command, "without", "FLAGS",
             "LAS: drop points with one of these flags: withheld, synthetic, overlap, key_point");
@@ -119,6 +120,8 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   options.cloud.recursive = recursive;
   BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
   options.cloud.classes = classes.value_or(std::vector<int>{});
+  BOOST_OUTCOME_TRY(scans, settings.get("scan", [](const std::string& text) { return parse_scans(text); }));
+  options.cloud.scans = scans.value_or(std::vector<std::uint32_t>{});
   BOOST_OUTCOME_TRY(returns, settings.get("returns", [](const std::string& text) { return parse_returns(text); }));
   options.cloud.returns = returns.value_or(Returns::all);
   BOOST_OUTCOME_TRY(without, settings.get("without", [](const std::string& text) -> Result<std::vector<std::string>> {

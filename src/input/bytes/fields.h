@@ -45,6 +45,9 @@ class AttributeNames {
   std::unordered_map<std::string, int> next_;
 };
 
+// The attributes of formats that say where the scanner was.
+inline constexpr std::array<std::string_view, 3> scanner_position{"x_origin", "y_origin", "z_origin"};
+
 // The byte offset of each attribute in a row of `schema`.
 std::vector<std::size_t> row_offsets(const std::vector<Attribute>& schema);
 

@@ -148,7 +148,8 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   Spool spool(options.spool_folder, stop, options.spool_bytes_max);
   BOOST_OUTCOME_TRY(
       inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
-  const ReadHints hints{.crop = options.crop, .resolution = options.resolution, .columns = options.columns};
+  const ReadHints hints{
+      .crop = options.crop, .scans = options.scans, .resolution = options.resolution, .columns = options.columns};
   const auto open_one = [&](std::size_t i) -> Result<Opened> {
     // No thread may wait for standard input while there is an error to report.
     if (inputs[i].standard_input) return Opened{};
@@ -229,6 +230,7 @@ Result<std::unique_ptr<ByteSource>> Cloud::source(std::size_t index) const {
 Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
                                                    ReadHints hints) const {
   hints.crop = options_.crop;
+  hints.scans = options_.scans;
   hints.resolution = options_.resolution;
   return reopen_whole(index, schema, hints);
 }

@@ -27,10 +27,11 @@ struct CloudOptions {
   int dimension = 3;
   DuplicatePolicy keep = DuplicatePolicy::first;  // 2D: which of the points with equal x and y is kept
   bool heights = true;                            // 2D: carry z as the attribute "z", if a file has it
-  bool skip_invalid = false;       // drop points that are not finite, and count them, instead of refusing the file
-  std::optional<Box> crop = {};    // a closed box; points outside do not belong to the cloud
-  std::vector<int> classes = {};   // keep only these LAS classes; empty: keep all
-  Returns returns = Returns::all;  // keep only these echoes of each pulse
+  bool skip_invalid = false;      // drop points that are not finite, and count them, instead of refusing the file
+  std::optional<Box> crop = {};   // a closed box; points outside do not belong to the cloud
+  std::vector<int> classes = {};  // keep only these LAS classes; empty: keep all
+  std::vector<std::uint32_t> scans = {};     // keep only points of these scans, the attribute "scan"; empty: keep all
+  Returns returns = Returns::all;            // keep only these echoes of each pulse
   std::vector<std::string> without = {};     // drop points with one of these flags: "withheld", "synthetic", ...
   std::vector<std::string> attributes = {};  // the names of attributes to carry, or {"all"}
   std::vector<std::string> columns = {};     // text, NumPy: the names of the columns; see ReadHints

@@ -25,6 +25,7 @@ std::string coordinate(const Point& p, int dimension) {
 std::vector<std::pair<std::string, const char*>> filtered_by(const CloudOptions& options) {
   std::vector<std::pair<std::string, const char*>> names;
   if (!options.classes.empty()) names.emplace_back("classification", "class");
+  if (!options.scans.empty()) names.emplace_back("scan", "scan");
   if (options.returns == Returns::first || options.returns == Returns::last)
     names.emplace_back("return_number", "returns");
   if (options.returns == Returns::last || options.returns == Returns::single)
@@ -40,9 +41,11 @@ PointFilter::PointFilter(const CloudOptions& options, const std::vector<Attribut
     if (schema[i].name == "z") z_at_ = offsets[i];
   }
   for (const auto& [name, key] : filtered_by(options)) {
-    const Column found = column(name);
+    const Column found = column(name, name == "scan" ? AttributeType::u32 : AttributeType::u8);
     if (name == "classification") {
       class_ = found;
+    } else if (name == "scan") {
+      scan_ = found;
     } else if (name == "return_number") {
       number_ = found;
     } else if (name == "number_of_returns") {
@@ -54,14 +57,14 @@ PointFilter::PointFilter(const CloudOptions& options, const std::vector<Attribut
   reader_row_bytes_ = row_bytes(reader_schema_);
 }
 
-PointFilter::Column PointFilter::column(const std::string& name) {
+PointFilter::Column PointFilter::column(const std::string& name, AttributeType type) {
   const auto offsets = row_offsets(reader_schema_);
   for (std::size_t i = 0; i < reader_schema_.size(); ++i) {
     if (reader_schema_[i].name == name) return {offsets[i], reader_schema_[i].type};
   }
   const std::size_t at = row_bytes(reader_schema_);
-  reader_schema_.push_back({name, AttributeType::u8});
-  return {at, AttributeType::u8};
+  reader_schema_.push_back({name, type});
+  return {at, type};
 }
 
 double PointFilter::Column::value(const std::byte* row) const {
@@ -88,6 +91,11 @@ bool PointFilter::is_wanted(const std::byte* row, CloudCounts& counts) const {
       if (value >= 0 && value < 256) counts.other_classes.set(static_cast<std::size_t>(value));
       return false;
     }
+  }
+  if (!options_.scans.empty()) {
+    const double scan = scan_.value(row);
+    if (std::none_of(options_.scans.begin(), options_.scans.end(), [&](std::uint32_t s) { return s == scan; }))
+      return false;
   }
   switch (options_.returns) {
     case Returns::all:

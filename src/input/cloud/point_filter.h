@@ -42,13 +42,15 @@ class PointFilter {
     AttributeType type = AttributeType::u8;
     double value(const std::byte* row) const;
   };
-  Column column(const std::string& name);
+  // `type`: of the column that the reader adds when the cloud's schema does not have it.
+  Column column(const std::string& name, AttributeType type);
 
   CloudOptions options_;
   std::vector<Attribute> reader_schema_;
   std::size_t row_bytes_, reader_row_bytes_;
   std::optional<std::size_t> z_at_;  // where z is in a row of the cloud
   Column class_, number_, of_;       // classification, number of the return, number of returns of the pulse
+  Column scan_;
   std::vector<Column> flags_;
 };
 

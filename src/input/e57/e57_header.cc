@@ -71,6 +71,7 @@ class ScanList {
     if (path_.starts_with(rotation)) {
       take_number(std::string_view("wxyz").find(name), scan().rotation.data(), 4);
     } else if (path_.starts_with(translation)) {
+      scan().posed = true;
       take_number(std::string_view("xyz").find(name), scan().translation.data(), 3);
     } else if (path_ == "/e57Root/coordinateMetadata") {
       header_.crs = text_;

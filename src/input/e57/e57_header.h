@@ -31,6 +31,7 @@ struct E57Scan {
   std::vector<E57Field> fields;
   std::array<double, 4> rotation{1, 0, 0, 0};  // a quaternion: w x y z
   std::array<double, 3> translation{};
+  bool posed = false;  // the file says where the scanner was
 };
 
 struct E57Header {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -65,11 +66,21 @@ std::string_view usual_name(std::string_view name) {
   return name;
 }
 
-// An attribute, and the field of that name in the scans that have it.
+// An attribute, and the field of that name in the scans that have it. An attribute without a field is the same for all
+// points of a scan: value `of_scan` of values_of().
 struct E57Attribute {
   Attribute attribute;
   std::string field;
+  std::size_t of_scan = 0;
 };
+
+// The number of a scan, and where its scanner was, if the file says so.
+std::array<double, 4> values_of(const E57Scan& scan) {
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  const auto& [x, y, z] = scan.translation;
+  const auto number = static_cast<double>(scan.number);
+  return scan.posed ? std::array{number, x, y, z} : std::array{number, unknown, unknown, unknown};
+}
 
 // The attributes of all scans. A field whose type differs between scans becomes a double.
 std::vector<E57Attribute> attributes_of(const E57Header& header) {
@@ -80,12 +91,15 @@ std::vector<E57Attribute> attributes_of(const E57Header& header) {
       if (is_coordinate(field.name) || field.kind == E57Field::Kind::text) continue;
       const auto known = std::find_if(found.begin(), found.end(), [&](const auto& a) { return a.field == field.name; });
       if (known == found.end())
-        found.push_back({{names.make(usual_name(field.name)), type_of(field)}, field.name});
+        found.push_back({{names.make(usual_name(field.name)), type_of(field)}, field.name, 0});
       else if (known->attribute.type != type_of(field))
         known->attribute.type = AttributeType::f64;
     }
   }
-  found.push_back({{names.make("scan"), AttributeType::u32}, ""});
+  found.push_back({{names.make("scan"), AttributeType::u32}, "", 0});
+  if (std::any_of(header.scans.begin(), header.scans.end(), [](const E57Scan& scan) { return scan.posed; }))
+    for (std::size_t i = 0; i < scanner_position.size(); ++i)
+      found.push_back({{names.make(scanner_position[i]), AttributeType::f64}, "", i + 1});
   return found;
 }
 
@@ -197,15 +211,26 @@ class ScanStream {
   std::uint64_t position_ = 0;
 };
 
+// A scan can only be passed over when all its records are points, because source indices count points.
+bool is_passed_over(const E57Scan& scan, const std::vector<std::uint32_t>& wanted) {
+  return !wanted.empty() && std::find(wanted.begin(), wanted.end(), scan.number) == wanted.end() &&
+         !find(scan, cartesian_state) && !find(scan, spherical_state);
+}
+
 class E57Reader : public PointReader {
  public:
   E57Reader(FileInfo info, E57Pages pages, E57Header header, const std::vector<E57Attribute>& attributes,
-            const std::vector<Attribute>& schema)
-      : info_(std::move(info)), pages_(std::move(pages)), header_(std::move(header)), row_bytes_(row_bytes(schema)) {
+            const std::vector<Attribute>& schema, std::vector<std::uint32_t> wanted)
+      : info_(std::move(info)),
+        pages_(std::move(pages)),
+        header_(std::move(header)),
+        wanted_(std::move(wanted)),
+        row_bytes_(row_bytes(schema)) {
     const auto offsets = row_offsets(schema);
     for (std::size_t i = 0; i < schema.size(); ++i)
       for (const auto& attribute : attributes)
-        if (attribute.attribute.name == schema[i].name) cells_.push_back({attribute.field, offsets[i], schema[i].type});
+        if (attribute.attribute.name == schema[i].name)
+          cells_.push_back({attribute.field, attribute.of_scan, offsets[i], schema[i].type});
   }
 
   const FileInfo& info() const override { return info_; }
@@ -213,10 +238,16 @@ class E57Reader : public PointReader {
   Status next(PointBatch& batch, std::size_t most) override {
     batch.points.clear();
     batch.rows.clear();
+    batch.passed_over = 0;
     records_.clear();
     while (batch.points.empty()) {
       if (!stream_ || stream_->left() == 0) {
         if (next_scan_ == header_.scans.size()) return pages_.source().check_unchanged();
+        if (const auto& scan = header_.scans[next_scan_]; is_passed_over(scan, wanted_)) {
+          batch.passed_over += scan.records;
+          ++next_scan_;
+          continue;
+        }
         BOOST_OUTCOME_TRYV(open_scan(next_scan_++));
       }
       constexpr std::size_t records_at_once = 8192;
@@ -238,7 +269,8 @@ class E57Reader : public PointReader {
 
  private:
   struct Cell {
-    std::string field;  // empty: the number of the scan
+    std::string field;
+    std::size_t of_scan;  // when there is no field
     std::size_t row_offset;
     AttributeType type;
   };
@@ -253,8 +285,8 @@ class E57Reader : public PointReader {
   }
 
   void write_scan(const Cell& cell, PointBatch& batch) const {
-    const auto number = static_cast<std::uint32_t>(header_.scans[next_scan_ - 1].number);
-    column_copy(AttributeType::u32, false, cell.type)(reinterpret_cast<const std::byte*>(&number), 0,
+    const double value = values_of(header_.scans[next_scan_ - 1])[cell.of_scan];
+    column_copy(AttributeType::f64, false, cell.type)(reinterpret_cast<const std::byte*>(&value), 0,
                                                       batch.rows.data() + cell.row_offset, row_bytes_,
                                                       batch.points.size());
   }
@@ -262,6 +294,7 @@ class E57Reader : public PointReader {
   FileInfo info_;
   E57Pages pages_;
   E57Header header_;
+  std::vector<std::uint32_t> wanted_;
   std::size_t row_bytes_;
   std::vector<Cell> cells_;
   std::size_t next_scan_ = 0;
@@ -287,7 +320,7 @@ Status check_scans(const E57Header& header, const std::string& path) {
 }  // namespace
 
 Result<std::unique_ptr<PointReader>> open_e57(std::unique_ptr<ByteSource> source,
-                                              const std::vector<Attribute>& attributes) {
+                                              const std::vector<Attribute>& attributes, const ReadHints& hints) {
   FileInfo info = info_of(*source, "e57");
   BOOST_OUTCOME_TRY(page_bytes, e57_page_bytes(*source));
   E57Pages pages(std::move(source), page_bytes);
@@ -298,17 +331,18 @@ Result<std::unique_ptr<PointReader>> open_e57(std::unique_ptr<ByteSource> source
   BOOST_OUTCOME_TRYV(check_scans(header, info.path.string()));
   info.detail = "E57, " + std::to_string(header.scans.size()) + (header.scans.size() == 1 ? " scan" : " scans");
   info.crs = header.crs;
-  std::uint64_t points = 0;
+  std::uint64_t points = 0, passed_over = 0;
   bool all_valid = true;
   for (const auto& scan : header.scans) {
-    points += scan.records;
+    (is_passed_over(scan, hints.scans) ? passed_over : points) += scan.records;
     all_valid = all_valid && !find(scan, cartesian_state) && !find(scan, spherical_state);
   }
   if (all_valid) info.points = points;
+  info.points_passed_over = passed_over;
   const auto found = attributes_of(header);
   for (const auto& attribute : found) info.attributes.push_back(attribute.attribute);
   return std::unique_ptr<PointReader>(
-      new E57Reader(std::move(info), std::move(pages), std::move(header), found, attributes));
+      new E57Reader(std::move(info), std::move(pages), std::move(header), found, attributes, hints.scans));
 }
 
 }  // namespace tessera

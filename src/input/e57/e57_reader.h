@@ -14,6 +14,6 @@ namespace tessera {
 // other numbers of a record, colours as red, green and blue; and scan, the number of the scan from 0. Checksums of all
 // pages that are read are checked. Images are ignored.
 Result<std::unique_ptr<PointReader>> open_e57(std::unique_ptr<ByteSource> source,
-                                              const std::vector<Attribute>& attributes);
+                                              const std::vector<Attribute>& attributes, const ReadHints& hints);
 
 }  // namespace tessera

@@ -280,8 +280,8 @@ Result<std::uint64_t> copy_las(std::unique_ptr<ByteSource> source, const std::fi
   const bool packs = options.packing == LasPacking::as_input ? header.compressed : options.packing == LasPacking::laz;
   if (holds_waveforms(header.point_format) && (packs || header.compressed))
     return error(Errc::bad_input, shared->path().string() + ": has points of format " +
-                                      std::to_string(header.point_format) + ", which hold waveforms; these are " +
-                                      (header.compressed ? "not decompressed" : "copied to LAS, and not compressed"));
+                                      std::to_string(header.point_format) +
+                                      ", which hold waveforms; these are copied only from LAS to LAS");
   BOOST_OUTCOME_TRY(parts, read_las_parts(*shared, header));
   BOOST_OUTCOME_TRY(file, OutputFile::create(to));
   return LasCopy(shared, std::move(header), std::move(parts), std::move(file), options, values).run();

@@ -1,4 +1,4 @@
-// Point formats 6 to 8. Each group of fields has a stream of its own, a layer, which is read only if it is wanted. A
+// Point formats 6 to 10. Each group of fields has a stream of its own, a layer, which is read only if it is wanted. A
 // layer is decoded for many points at once, because then its models stay in the cache.
 // Source: LASzip, design/specification.rst; rapidlasso, LAZ Specification 1.4.
 #include <algorithm>
@@ -72,10 +72,12 @@ class LayeredDecoder : public ChunkDecoder {
 
   // The chunk begins with its first point uncompressed, its number of points, and the lengths of all its layers.
   Status begin(std::byte* record) {
-    const std::size_t extra_bytes = layout_.items.back().type == ItemType::byte_14 ? layout_.items.back().bytes : 0;
-    const bool rgb = layout_.items.size() > 1 && layout_.items[1].type != ItemType::byte_14;
-    const bool nir = rgb && layout_.items[1].type == ItemType::rgb_nir_14;
-    const std::size_t layer_count = 9 + rgb + nir + extra_bytes;
+    const LazItem* const extra = layout_.find(ItemType::byte_14);
+    const LazItem* const nir = layout_.find(ItemType::rgb_nir_14);
+    const LazItem* const rgb = nir != nullptr ? nir : layout_.find(ItemType::rgb_14);
+    const LazItem* const waves = layout_.find(ItemType::wave_packet_14);
+    const std::size_t layer_count =
+        9u + (rgb != nullptr) + (nir != nullptr) + (waves != nullptr) + (extra != nullptr ? extra->bytes : 0);
     const std::size_t head_bytes = plan_.record_bytes + 4 + 4 * layer_count;
     if (chunk_.end - chunk_.begin < head_bytes) return error(Errc::bad_input, "the chunk ends within its head");
     std::vector<std::byte> head(head_bytes);
@@ -100,16 +102,20 @@ class LayeredDecoder : public ChunkDecoder {
     BOOST_OUTCOME_TRYV(add<SourceState>(lengths, record, 20));
     BOOST_OUTCOME_TRYV(add<GpsTimeState>(lengths, record, 22));
     std::size_t at = point_bytes;
-    if (rgb) {
-      BOOST_OUTCOME_TRYV(add<RgbState>(lengths, record, at, layout_.items[1].version));
+    if (rgb != nullptr) {
+      BOOST_OUTCOME_TRYV(add<RgbState>(lengths, record, at, rgb->version));
       at += sizeof(Rgb);
     }
-    if (nir) {
-      BOOST_OUTCOME_TRYV(add<NirState>(lengths, record, at, layout_.items[1].version));
+    if (nir != nullptr) {
+      BOOST_OUTCOME_TRYV(add<NirState>(lengths, record, at, nir->version));
       at += 2;
     }
+    if (waves != nullptr) {  // this layer is passed over, because no field of it is ever wanted
+      BOOST_OUTCOME_TRYV(take(lengths));
+      at += waves->bytes;
+    }
     for (; at < plan_.record_bytes; ++at) {
-      BOOST_OUTCOME_TRYV(add<ByteState>(lengths, record, at, layout_.items.back().version));
+      BOOST_OUTCOME_TRYV(add<ByteState>(lengths, record, at, extra->version));
     }
     return success();
   }

@@ -10,13 +10,6 @@
 #include "src/input/laz/laz_stream.h"
 
 namespace tessera::laz {
-namespace {
-
-bool has_waveforms(int point_format) {
-  return point_format == 4 || point_format == 5 || point_format == 9 || point_format == 10;
-}
-
-}  // namespace
 
 WantedFields wanted_fields(const LasHeader& header, const std::vector<Attribute>& attributes) {
   WantedFields plan{.record_bytes = header.record_bytes, .wanted = std::vector<bool>(header.record_bytes)};
@@ -31,11 +24,6 @@ WantedFields wanted_fields(const LasHeader& header, const std::vector<Attribute>
 Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, WantedFields plan,
                                     const ReadHints& hints) {
   const std::string path = source->path().string();
-  if (has_waveforms(header.point_format))
-    return error(Errc::bad_input,
-                 path + ": is LAZ in point format " + std::to_string(header.point_format) +
-                     ", which holds waveforms; these are not decompressed. Convert it to point format " +
-                     (header.point_format < 6 ? "1 or 3" : "6 to 8") + ", or to LAS");
   if (header.laszip.empty())
     return error(Errc::bad_input, path + ": is LAZ, but has no LASzip record that says how it is compressed");
   BOOST_OUTCOME_TRY(layout, read_laz_layout(path, header.laszip, header.point_format, header.record_bytes));

@@ -23,9 +23,8 @@ struct LazRecords {
   std::uint64_t seek_points = 0;  // see FileInfo
 };
 
-// Opens the records. Hints apply to COPC only; other files are read whole. Error bad_input for point formats with
-// waveforms, and for a missing or wrong LASzip record, chunk table or COPC hierarchy. REQUIRES: `header` is that of
-// `source`, and compressed.
+// Opens the records. Hints apply to COPC only; other files are read whole. Error bad_input for a missing or
+// wrong LASzip record, chunk table or COPC hierarchy. REQUIRES: `header` is that of `source`, and compressed.
 Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, WantedFields plan,
                                     const ReadHints& hints);
 

@@ -12,6 +12,8 @@ struct Expected {
   std::uint16_t bytes;
 };
 
+constexpr std::uint16_t wave_packet_bytes = 29;
+
 std::vector<Expected> items_of(int point_format, std::uint16_t record_bytes) {
   using enum ItemType;
   std::vector<Expected> items;
@@ -19,11 +21,13 @@ std::vector<Expected> items_of(int point_format, std::uint16_t record_bytes) {
   if (layered) {
     items.push_back({point_14, 30});
     if (point_format == 7) items.push_back({rgb_14, 6});
-    if (point_format == 8) items.push_back({rgb_nir_14, 8});
+    if (point_format == 8 || point_format == 10) items.push_back({rgb_nir_14, 8});
+    if (point_format >= 9) items.push_back({wave_packet_14, wave_packet_bytes});
   } else {
     items.push_back({point_10, 20});
-    if (point_format == 1 || point_format == 3) items.push_back({gps_time_11, 8});
-    if (point_format == 2 || point_format == 3) items.push_back({rgb_12, 6});
+    if (point_format != 0 && point_format != 2) items.push_back({gps_time_11, 8});
+    if (point_format == 2 || point_format == 3 || point_format == 5) items.push_back({rgb_12, 6});
+    if (point_format >= 4) items.push_back({wave_packet_13, wave_packet_bytes});
   }
   std::uint16_t bytes = 0;
   for (const auto& item : items) bytes = static_cast<std::uint16_t>(bytes + item.bytes);
@@ -72,9 +76,11 @@ Result<LazLayout> read_laz_layout(const std::string& path, std::span<const std::
                  std::to_string(static_cast<std::uint16_t>(expected[i].type)) + " with " +
                  std::to_string(expected[i].bytes) + " bytes stands in a record" + of_format);
     const std::uint16_t low = layered ? 3 : 1;
-    if (layout.compressor != Compressor::none && (version < low || version > low + 1))
+    const auto high = static_cast<std::uint16_t>(expected[i].type == ItemType::wave_packet_13 ? low : low + 1);
+    if (layout.compressor != Compressor::none && (version < low || version > high))
       return bad("lists item type " + std::to_string(type) + " in version " + std::to_string(version) + "; " +
-                 std::to_string(low) + " and " + std::to_string(low + 1) + " are read");
+                 (low == high ? "only " + std::to_string(low) + " is read"
+                              : std::to_string(low) + " and " + std::to_string(high) + " are read"));
     layout.items.push_back({expected[i].type, bytes, version});
   }
   return layout;

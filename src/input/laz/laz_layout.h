@@ -2,6 +2,7 @@
 // Source: rapidlasso, LAZ Specification 1.4.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -17,9 +18,11 @@ enum class ItemType : std::uint16_t {
   point_10 = 6,
   gps_time_11 = 7,
   rgb_12 = 8,
+  wave_packet_13 = 9,
   point_14 = 10,
   rgb_14 = 11,
   rgb_nir_14 = 12,
+  wave_packet_14 = 13,
   byte_14 = 14
 };
 
@@ -36,6 +39,11 @@ struct LazLayout {
   Compressor compressor = Compressor::none;
   std::uint32_t chunk_points = 0;  // UINT32_MAX: the chunk table has the number of points of each chunk
   std::vector<LazItem> items;
+  // Returns the item of this type; null if records have none.
+  const LazItem* find(ItemType type) const {
+    const auto found = std::find_if(items.begin(), items.end(), [&](const LazItem& item) { return item.type == type; });
+    return found == items.end() ? nullptr : &*found;
+  }
   bool chunked() const {
     return compressor == Compressor::pointwise_chunked || compressor == Compressor::layered_chunked;
   }

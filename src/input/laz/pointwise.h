@@ -1,4 +1,4 @@
-// Point formats 0 to 3: one stream has all fields of a point, item by item.
+// Point formats 0 to 5: one stream has all fields of a point, item by item.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace tessera::laz {
 
-// One item of a record: POINT10, GPSTIME11, RGB12 or BYTE, in version 1 or 2.
+// One item of a record: POINT10, GPSTIME11, RGB12 or BYTE, in version 1 or 2, or WAVEPACKET13.
 class PointItem {
  public:
   virtual ~PointItem() = default;

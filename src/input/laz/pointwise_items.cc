@@ -1,4 +1,4 @@
-// GPSTIME11, RGB12 and BYTE, in versions 1 and 2. Source: rapidlasso, LAZ Specification 1.4.
+// GPSTIME11, RGB12 and BYTE, in versions 1 and 2, and WAVEPACKET13. Source: rapidlasso, LAZ Specification 1.4.
 #include <array>
 #include <cstring>
 #include <memory>
@@ -128,6 +128,49 @@ class BytesVersion1 : public PointItem {
   IntegerDecoder<8, extra_bytes_max> bytes_;
 };
 
+// Where the waveform of a point is. Nobody needs it, but the fields of all items are in one stream.
+class WavePacket : public PointItem {
+ public:
+  void first(const std::byte* raw) override { last_ = load<Packet>(raw); }
+  void next(ArithmeticDecoder& decoder, std::byte* to) override {
+    last_.descriptor = static_cast<std::uint8_t>(decoder.symbol(descriptors_));
+    last_place_ = decoder.symbol(places_[last_place_]);
+    if (last_place_ == after_last) {
+      last_.offset += last_.bytes;
+    } else if (last_place_ == moved) {
+      last_move_ = moves_.next(decoder, last_move_);
+      last_.offset += static_cast<std::uint64_t>(std::int64_t{last_move_});
+    } else if (last_place_ == anew) {
+      last_.offset = decoder.bits64();
+    }  // otherwise the same place again
+    last_.bytes = static_cast<std::uint32_t>(bytes_.next(decoder, static_cast<std::int32_t>(last_.bytes)));
+    last_.time = times_.next(decoder, last_.time);
+    for (std::uint32_t axis = 0; axis < 3; ++axis)
+      last_.direction[axis] = directions_.next(decoder, last_.direction[axis], axis);
+    std::memcpy(to, &last_, sizeof last_);
+  }
+
+ private:
+  static constexpr std::uint32_t after_last = 1, moved = 2, anew = 3;
+#pragma pack(push, 1)
+  struct Packet {
+    std::uint8_t descriptor = 0;
+    std::uint64_t offset = 0;
+    std::uint32_t bytes = 0;
+    std::int32_t time = 0;                       // the bits of a float
+    std::array<std::int32_t, 3> direction = {};  // likewise
+  };
+#pragma pack(pop)
+
+  Packet last_;
+  std::uint32_t last_place_ = 0;
+  std::int32_t last_move_ = 0;
+  SymbolModel<256> descriptors_;
+  std::array<SymbolModel<4>, 4> places_;
+  IntegerDecoder<32> moves_, bytes_, times_;
+  IntegerDecoder<32, 3> directions_;
+};
+
 }  // namespace
 
 std::unique_ptr<PointItem> make_point_item(const LazItem& item) {
@@ -141,6 +184,7 @@ std::unique_ptr<PointItem> make_point_item(const LazItem& item) {
     if (first_version) return std::make_unique<RgbVersion1>();
     return std::make_unique<RgbVersion2>();
   }
+  if (item.type == ItemType::wave_packet_13) return std::make_unique<WavePacket>();
   if (first_version) return std::make_unique<BytesVersion1>(item.bytes);
   return std::make_unique<BytesVersion2>(item.bytes);
 }

@@ -93,7 +93,7 @@ class PtxReader : public VertexTextReader {
   PtxReader(FileInfo info, LineReader lines, const std::vector<Attribute>& schema)
       : VertexTextReader(std::move(info), std::move(lines), schema),
         names_(names_of_values(this->info().attributes)),
-        colours_(names_.size() > 5) {}
+        colours_(this->info().attributes.size() > 5) {}
 
  private:
   Result<bool> next_vertex(std::vector<double>& values) override {
@@ -131,6 +131,8 @@ class PtxReader : public VertexTextReader {
     const Point p = header_.move({values[0], values[1], values[2]});
     for (int axis = 0; axis < 3; ++axis) values[static_cast<std::size_t>(axis)] = p[axis];
     values.push_back(static_cast<double>(scan_));
+    const auto& scanner = header_.matrix[3];  // the scanner is the origin of its scan
+    values.insert(values.end(), scanner.begin(), scanner.begin() + 3);
     return true;
   }
 
@@ -161,6 +163,7 @@ Result<std::unique_ptr<PointReader>> open_ptx(std::unique_ptr<ByteSource> source
   if (colours)
     for (const char* name : {"red", "green", "blue"}) info.attributes.push_back({name, AttributeType::u8});
   info.attributes.push_back({"scan", AttributeType::u32});
+  for (const auto name : scanner_position) info.attributes.push_back({std::string(name), AttributeType::f64});
   return std::unique_ptr<PointReader>(new PtxReader(std::move(info), std::move(lines), attributes));
 }
 

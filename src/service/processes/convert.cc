@@ -82,6 +82,11 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
       return refuse("class", std::to_string(number) + " is not a LAS class, which is a number from 0 to 255");
     cloud.classes.push_back(static_cast<int>(number));
   }
+  constexpr int scans_max = 10'000;
+  if (inputs.scan_size() > scans_max)
+    return refuse("scan", "has " + std::to_string(inputs.scan_size()) + " numbers; at most " +
+                              std::to_string(scans_max) + " can be given");
+  cloud.scans.assign(inputs.scan().begin(), inputs.scan().end());
   if (inputs.has_returns()) {
     const auto returns = parse_returns(inputs.returns());
     if (!returns) return refuse("returns", returns.error().where);
@@ -200,7 +205,7 @@ Result<proto::TriangulateInputs> cloud_of(const proto::RegionInputs& inputs) {
   shared.clear_max_points();
   shared.clear_max_seconds();
   shared.clear_partial();
-  shared.clear_scan();
+  shared.clear_scan_files();
   return renamed(shared);
 }
 

@@ -29,7 +29,7 @@ namespace {
 // All inputs that identify a cloud, as text.
 std::string words_of(const proto::RegionInputs& inputs) {
   const auto cloud = cloud_of(inputs);
-  return (cloud ? to_json(cloud.value()) : "") + (inputs.scan() ? " scan" : "");
+  return (cloud ? to_json(cloud.value()) : "") + (inputs.scan_files() ? " scan_files" : "");
 }
 
 Result<RegionJobOptions> options_of(const Workshop& shop, const proto::RegionInputs& inputs) {
@@ -110,7 +110,7 @@ Result<proto::Estimate> estimate_boxes(const Workshop& shop, const proto::Region
   if (!found) return found.error();
   const auto& files = found.value();
   BOOST_OUTCOME_TRY(packed, any_packed(files));
-  if (packed || options.scan) {
+  if (packed || options.scan_files) {
     estimate.set_reason("files that are compressed or scanned are measured only when the job runs");
     return estimate;
   }

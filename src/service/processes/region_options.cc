@@ -49,7 +49,7 @@ Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const
   options.cloud = job.cloud;
   options.cloud.threads = budget::reading_threads(job.memory_bytes, job.threads);
   options.neighbors = job.neighbors;
-  options.scan = inputs.scan();
+  options.scan_files = inputs.scan_files();
   options.limits.memory_bytes = job.memory_bytes;
   options.limits.partial = inputs.partial();
   if (inputs.has_max_points()) options.limits.max_points = inputs.max_points();
