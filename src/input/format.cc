@@ -12,6 +12,9 @@
 #include "src/input/mesh/off_reader.h"
 #include "src/input/mesh/stl_reader.h"
 #include "src/input/pcd/pcd_reader.h"
+#include "src/input/snapshot/gadget.h"
+#include "src/input/snapshot/gadget_hdf5.h"
+#include "src/input/snapshot/tipsy.h"
 
 namespace tessera {
 namespace {
@@ -23,23 +26,14 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-constexpr std::array<std::pair<std::string_view, FileFormat>, 17> endings{{{".las", FileFormat::las},
-                                                                           {".laz", FileFormat::las},
-                                                                           {".ply", FileFormat::ply},
-                                                                           {".off", FileFormat::off},
-                                                                           {".obj", FileFormat::obj},
-                                                                           {".stl", FileFormat::stl},
-                                                                           {".npy", FileFormat::npy},
-                                                                           {".pcd", FileFormat::pcd},
-                                                                           {".e57", FileFormat::e57},
-                                                                           {".ptx", FileFormat::ptx},
-                                                                           {".xyz", FileFormat::text},
-                                                                           {".csv", FileFormat::text},
-                                                                           {".tsv", FileFormat::text},
-                                                                           {".txt", FileFormat::text},
-                                                                           {".asc", FileFormat::text},
-                                                                           {".pts", FileFormat::pts},
-                                                                           {".dat", FileFormat::text}}};
+constexpr std::array<std::pair<std::string_view, FileFormat>, 21> endings{
+    {{".las", FileFormat::las},  {".laz", FileFormat::las},       {".ply", FileFormat::ply},
+     {".off", FileFormat::off},  {".obj", FileFormat::obj},       {".stl", FileFormat::stl},
+     {".npy", FileFormat::npy},  {".pcd", FileFormat::pcd},       {".e57", FileFormat::e57},
+     {".ptx", FileFormat::ptx},  {".xyz", FileFormat::text},      {".csv", FileFormat::text},
+     {".tsv", FileFormat::text}, {".txt", FileFormat::text},      {".asc", FileFormat::text},
+     {".pts", FileFormat::pts},  {".gadget", FileFormat::gadget}, {".hdf5", FileFormat::hdf5},
+     {".h5", FileFormat::hdf5},  {".tipsy", FileFormat::tipsy},   {".dat", FileFormat::text}}};
 
 FileFormat format_of_name(const std::filesystem::path& name) {
   if (name.filename() == ept_file_name) return FileFormat::ept;
@@ -75,6 +69,9 @@ FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::pa
   if (bytes.starts_with("\x28\xb5\x2f\xfd")) return FileFormat::zstd;
   if (bytes.size() >= 4 && (bytes[0] & 0xf0) == 0x50 && bytes.substr(1, 3) == "\x2a\x4d\x18") return FileFormat::zstd;
   if (bytes.starts_with("ASTM-E57")) return FileFormat::e57;
+  if (snapshot::looks_like_hdf5(begin)) return FileFormat::hdf5;
+  if (snapshot::looks_like_gadget(begin)) return FileFormat::gadget;
+  if (snapshot::is_tipsy(begin, size)) return FileFormat::tipsy;
   if (looks_like_pcd(bytes)) return FileFormat::pcd;
   if (looks_like_off(bytes)) return FileFormat::off;
   if (looks_like_obj(bytes)) return FileFormat::obj;
@@ -97,11 +94,12 @@ std::filesystem::path without_packing(const std::filesystem::path& path) {
 std::string point_file_endings() { return listed_endings({}); }
 
 Error unknown_format(const std::filesystem::path& path) {
-  return error(Errc::bad_input,
-               path.string() +
-                   ": unknown format: its first bytes are not those of LAS, PLY, E57, PCD, OFF, OBJ, STL, NumPy, gzip "
-                   "or Zstandard, its name does not end like that of a text (" +
-                   listed_endings(FileFormat::text) + "), and it is not the " + ept_file_name + " of EPT");
+  return error(Errc::bad_input, path.string() +
+                                    ": unknown format: its first bytes are not those of LAS, PLY, E57, PCD, OFF, OBJ, "
+                                    "STL, NumPy, HDF5, Gadget, Tipsy, "
+                                    "gzip or Zstandard, its name does not end like that of a text (" +
+                                    listed_endings(FileFormat::text) + "), and it is not the " + ept_file_name +
+                                    " of EPT");
 }
 
 }  // namespace tessera

@@ -25,6 +25,9 @@ enum class FileFormat : std::uint8_t {
   pcd,
   ptx,
   pts,
+  gadget,
+  tipsy,
+  hdf5,
   text,
   gzip,
   zstd

@@ -17,6 +17,9 @@
 #include "src/input/ply/ply_reader.h"
 #include "src/input/scans/pts_reader.h"
 #include "src/input/scans/ptx_reader.h"
+#include "src/input/snapshot/gadget.h"
+#include "src/input/snapshot/gadget_hdf5.h"
+#include "src/input/snapshot/tipsy.h"
 #include "src/input/text/text_reader.h"
 
 namespace tessera {
@@ -62,6 +65,12 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
       return open_ptx(std::move(source), attributes);
     case FileFormat::pts:
       return open_pts(std::move(source), attributes, hints);
+    case FileFormat::gadget:
+      return snapshot::open_gadget(std::move(source), attributes);
+    case FileFormat::hdf5:
+      return snapshot::open_gadget_hdf5(std::move(source), attributes);
+    case FileFormat::tipsy:
+      return snapshot::open_tipsy(std::move(source), attributes);
     case FileFormat::text:
       return open_text(std::move(source), attributes, hints);
     case FileFormat::gzip:

@@ -22,10 +22,18 @@ struct CoordinateColumns {
   By by = By::place;
 };
 
+// The snapshot of a simulation of which a file is a part.
+struct SnapshotPart {
+  std::string run;           // the same text in all files of the snapshot
+  std::uint64_t files = 1;   // all files of the snapshot
+  std::uint64_t points = 0;  // all particles of the snapshot
+};
+
 // What a reader knows about a file after opening it.
 struct FileInfo {
   std::filesystem::path path;
-  std::string format;    // "las", "laz", "ply", "off", "obj", "stl", "e57", "ept", "pcd", "ptx", "pts", "xyz", "npy"
+  std::string format;    // "las", "laz", "ply", "off", "obj", "stl", "e57", "ept", "pcd", "ptx", "pts", "xyz", "npy",
+                         // "gadget", "tipsy"
   std::string detail;    // "LAS 1.4, point format 7", "binary little endian, float"
   int dimension = 3;     // 2 when the file has only x and y
   bool degrees = false;  // x and y are called longitude and latitude
@@ -37,14 +45,16 @@ struct FileInfo {
   std::string crs_note;                      // why the system is unknown although the file says something about it
   std::vector<Attribute> attributes;         // all attributes that the file has
   std::optional<CoordinateColumns> columns;  // for text and NumPy
-  bool counts_up = false;           // text: x was found by its place, and its values look like numbers of points
-  std::uint64_t seek_points = 0;    // LAZ: how many points are decoded, on average, to reach a point
-  std::uint64_t parts = 1;          // text: the number of parts in which it can be read; see ReadHints
-  bool levels = false;              // COPC, EPT: the points are sorted by level of detail
-  std::string packing;              // "gzip" or "zstd" when the whole file is compressed
-  std::uint64_t bytes = 0;          // size of the stored file
-  std::uint64_t content_bytes = 0;  // size of the content: `bytes` unless the file is compressed
-  std::int64_t modified_ns = 0;     // nanoseconds since 1970
+  bool counts_up = false;                // text: x was found by its place, and its values look like numbers of points
+  std::uint64_t seek_points = 0;         // LAZ: how many points are decoded, on average, to reach a point
+  std::uint64_t parts = 1;               // text: the number of parts in which it can be read; see ReadHints
+  bool levels = false;                   // COPC, EPT: the points are sorted by level of detail
+  std::optional<SnapshotPart> snapshot;  // Gadget
+  Point box;                             // the size of a periodic box, as the file says; 0: none
+  std::string packing;                   // "gzip" or "zstd" when the whole file is compressed
+  std::uint64_t bytes = 0;               // size of the stored file
+  std::uint64_t content_bytes = 0;       // size of the content: `bytes` unless the file is compressed
+  std::int64_t modified_ns = 0;          // nanoseconds since 1970
 
   // The number of points, estimated by the size of the file where its header gives none.
   std::uint64_t about_points() const {

@@ -11,6 +11,7 @@
 #include "src/input/cloud/in_order.h"
 #include "src/input/cloud/inputs.h"
 #include "src/input/cloud/point_filter.h"
+#include "src/input/snapshot/snapshot_set.h"
 
 namespace tessera {
 namespace {
@@ -178,6 +179,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
     add_available(cloud.files_[i], available);
   }
   BOOST_OUTCOME_TRYV(check_use_of_columns(cloud.files_, options));
+  BOOST_OUTCOME_TRYV(snapshot::check_snapshots(cloud.files_));
   BOOST_OUTCOME_TRY(schema, choose_with_heights(options, std::move(available), has_z));
   cloud.schema_ = std::move(schema);
   BOOST_OUTCOME_TRY(settled, settle_crs(cloud.files_, options.crs));
