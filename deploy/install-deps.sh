@@ -15,6 +15,7 @@ build=(
   libcurl4-openssl-dev                      # objects on other machines
   zlib1g-dev libzstd-dev libxxhash-dev libexpat1-dev  # result files, compressed input, E57
   libmeshoptimizer-dev                      # surfaces for viewers
+  libhdf5-dev                               # snapshots of simulations
   libgdal-dev libproj-dev                   # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev libsystemd-dev prometheus-cpp-dev
@@ -28,6 +29,7 @@ test=(
   mkdocs mkdocs-material                    # make the site of documents
   mypy debootstrap                          # checks its types; makes systems in which the wheel is tried
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
+  python3-h5py                              # writes snapshots
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   nginx-light                               # serves objects
   systemd python3-yaml                      # judge the unit, read the manifest

@@ -51,9 +51,6 @@ CUT = {
     "galaxy_20k_begin.bin": ("galaxy_20k.bin", 8000, None),
 }
 
-# How many bytes of each record are as its twin says: the writer of this one coded the extra ones wrongly.
-RIGHT_BYTES = {"laz_conformance/pdrf6-1.4.laz": 30}
-
 
 def source(name):
     points, laz_perf, twins = sys.argv[1:]
@@ -72,10 +69,9 @@ def sha256(array):
     return hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()
 
 
-def las_facts(name, las, records):
-    right = RIGHT_BYTES.get(name, las.record_bytes)
-    return {"points": len(records), "format": las.format, "record_bytes": las.record_bytes, "bytes_compared": right,
-            "xyz_sha256": sha256(las.coordinates(records)), "records_sha256": sha256(records[:, :right])}
+def las_facts(las, records):
+    return {"points": len(records), "format": las.format, "record_bytes": las.record_bytes,
+            "xyz_sha256": sha256(las.coordinates(records)), "records_sha256": sha256(records)}
 
 
 def coordinates(path):
@@ -98,7 +94,7 @@ def main():
         os.makedirs(os.path.dirname(os.path.join(CLOUDS, name)), exist_ok=True)
         shutil.copyfile(source(name), os.path.join(CLOUDS, name))
         las = cut_cloud.Las(read(source(twin)))
-        manifest[name] = las_facts(name, las, las.records())
+        manifest[name] = las_facts(las, las.records())
     for name, (original, count, twin) in CUT.items():
         part = cut_cloud.cut(source(original), count, twin and source(twin))
         with open(os.path.join(CLOUDS, name), "wb") as file:
@@ -111,7 +107,7 @@ def main():
         las, whole = cut_cloud.Las(part), cut_cloud.Las(read(source(twin or original)))
         copc = ".copc." in name
         records = cut_cloud.copc_records(cut_cloud.Las(read(source(original))), whole, count) if copc else whole.records(0, las.points)
-        manifest[name] = las_facts(name, whole, records)
+        manifest[name] = las_facts(whole, records)
     # A cloud of the kind that has neither names nor commas, with columns behind x, y and z.
     with open(os.path.join(CLOUDS, "velodyne_400_begin.csv"), encoding="ascii") as csv:
         rows = csv.read().splitlines()[1:2001]

@@ -23,11 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Bytes file_bytes(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return bytes_of(std::string{std::istreambuf_iterator<char>(in), {}});
-}
-
 // A file by its parts, found without the product's code.
 struct Parts {
   struct Record {
@@ -160,15 +155,11 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-// Its extra bytes were written wrongly: see layered.cc.
-const std::string wrong_extra_bytes = "laz_conformance/pdrf6-1.4.laz";
-
 std::vector<RealCloud> las_files(const fs::path& folder) {
   std::vector<RealCloud> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = entry.path().lexically_relative(folder).string();
-    if ((name.ends_with(".las") || name.ends_with(".laz")) && name != wrong_extra_bytes)
-      files.push_back({folder, name});
+    if (name.ends_with(".las") || name.ends_with(".laz")) files.push_back({folder, name});
   }
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   return files;
@@ -603,13 +594,6 @@ TEST_F(CopyByHand, LeavesNothingWhenItIsStoppedOrTheValuesFailOrTheLedgerIsUsedU
     EXPECT_EQ(make_copy(in, to(), {.dimensions = {height}}).error().code, Errc::memory) << most;
     expect_nothing_new();
   }
-}
-
-TEST(LasCopy, OfWronglyWrittenExtraBytesIsAnError) {
-  const TempFolder folder;
-  EXPECT_NE(sentence(make_copy(clouds / wrong_extra_bytes, folder.path() / "a.laz")).find("in a layer of extra bytes"),
-            std::string::npos);
-  EXPECT_TRUE(files_in(folder.path()).empty());
 }
 
 }  // namespace

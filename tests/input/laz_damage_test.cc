@@ -20,11 +20,6 @@ const std::filesystem::path small = TESSERA_TEST_DATA "/../fuzz/corpus/laz";
 const std::vector<std::string> small_files{"lone_star.laz", "autzen_trim.laz", "pdrf6-1.4.laz", "pdrf7-v4-1.4.laz",
                                            "small.copc.laz"};
 
-Bytes file_bytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return bytes_of(std::string{std::istreambuf_iterator<char>(in), {}});
-}
-
 class SmallLaz : public testing::TestWithParam<std::string> {};
 
 TEST_P(SmallLaz, IsRead) {

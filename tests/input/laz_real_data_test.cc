@@ -22,11 +22,10 @@ nlohmann::json manifest_of(const std::filesystem::path& folder) {
 // What manifest.json says of a file of tests/data/clouds.
 struct Told {
   RealCloud file;
-  std::size_t points = 0, bytes_compared = 0;
+  std::size_t points = 0;
   int format = 0;
   std::uint16_t record_bytes = 0;
   std::string xyz_sha256, records_sha256;
-  bool whole() const { return bytes_compared == record_bytes; }
   friend std::ostream& operator<<(std::ostream& out, const Told& told) { return out << told.file; }
 };
 
@@ -37,7 +36,6 @@ std::vector<Told> told_files() {
     if (!facts.contains("records_sha256")) continue;
     files.push_back({.file = {clouds, name},
                      .points = facts["points"],
-                     .bytes_compared = facts["bytes_compared"],
                      .format = facts["format"],
                      .record_bytes = facts["record_bytes"],
                      .xyz_sha256 = facts["xyz_sha256"],
@@ -50,18 +48,13 @@ class EveryCloud : public testing::TestWithParam<Told> {};
 
 TEST_P(EveryCloud, HasTheRecordsOfItsTwinToTheLastBit) {
   const Told& told = GetParam();
-  const auto read = read_records(told.file.path(), told.whole() ? all_fields : told.bytes_compared);
+  const auto read = read_records(told.file.path(), all_fields);
   ASSERT_EQ(sentence(read), "");
   const Records& records = read.value();
   EXPECT_EQ(records.header.point_format, told.format);
   ASSERT_EQ(records.header.record_bytes, told.record_bytes);
   EXPECT_EQ(records.size(), told.points);
-  Bytes compared;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const auto begin = records.bytes.begin() + static_cast<std::ptrdiff_t>(i * told.record_bytes);
-    compared.insert(compared.end(), begin, begin + static_cast<std::ptrdiff_t>(told.bytes_compared));
-  }
-  EXPECT_EQ(sha256(compared), told.records_sha256);
+  EXPECT_EQ(sha256(records.bytes), told.records_sha256);
 }
 
 TEST_P(EveryCloud, GivesTheSameIntegersWhenNothingElseIsWantedAndInSeveralThreads) {
@@ -73,11 +66,8 @@ TEST_P(EveryCloud, GivesTheSameIntegersWhenNothingElseIsWantedAndInSeveralThread
   }
 }
 
-// Without the file whose extra bytes were written wrongly, which EveryPair has.
-class WholeCloud : public EveryCloud {};
-
 // Its records are its twin's, as the first test says.
-TEST_P(WholeCloud, IsOneCloudWithAllAttributesCompressedAndNot) {
+TEST_P(EveryCloud, IsOneCloudWithAllAttributesCompressedAndNot) {
   const auto schema = open_reader(GetParam().file.path()).value()->info().attributes;
   const auto read = read_path(GetParam().file.path(), schema);
   const auto twin = read_bytes(las_bytes(GetParam().file.path()), "twin.las", schema);
@@ -88,14 +78,7 @@ TEST_P(WholeCloud, IsOneCloudWithAllAttributesCompressedAndNot) {
   EXPECT_EQ(read.value().rows, twin.value().rows);
 }
 
-std::vector<Told> whole_files() {
-  auto files = told_files();
-  std::erase_if(files, [](const Told& told) { return !told.whole(); });
-  return files;
-}
-
 INSTANTIATE_TEST_SUITE_P(RealLaz, EveryCloud, testing::ValuesIn(told_files()));
-INSTANTIATE_TEST_SUITE_P(RealLaz, WholeCloud, testing::ValuesIn(whole_files()));
 
 TEST(RealClouds, HaveEveryPointFormatThatIsReadOfLasAndOfLaz) {
   std::set<int> compressed, plain;
@@ -127,14 +110,10 @@ std::vector<Twins> all_twins() {
   return twins;
 }
 
-// Its extra bytes were written by laz-perf 3.4, not as the specification says: see layered.cc.
-const std::string wrong_extra_bytes = "laz_conformance/pdrf6-1.4.laz";
-
 class EveryPair : public testing::TestWithParam<Twins> {};
 
 TEST_P(EveryPair, HasTheSameRecordsToTheLastBit) {
-  const std::size_t wanted = GetParam().laz.name == wrong_extra_bytes ? 30 : all_fields;
-  auto laz = read_records(GetParam().laz.path(), wanted);
+  auto laz = read_records(GetParam().laz.path(), all_fields);
   auto las = read_records(GetParam().las_path(), all_fields);
   ASSERT_EQ(sentence(laz), "");
   ASSERT_EQ(sentence(las), "");
@@ -142,7 +121,6 @@ TEST_P(EveryPair, HasTheSameRecordsToTheLastBit) {
   ASSERT_EQ(laz.value().header.record_bytes, stride);
   ASSERT_EQ(laz.value().size(), las.value().size());
   for (std::size_t i = 0; i < laz.value().bytes.size(); ++i) {
-    if (i % stride >= wanted) continue;
     ASSERT_EQ(laz.value().bytes[i], las.value().bytes[i]) << "record " << i / stride << " byte " << i % stride;
   }
 }
@@ -163,8 +141,7 @@ TEST_P(EveryPair, IsOneCloudWithAllAttributes) {
   const auto laz_info = open_reader(GetParam().laz.path()).value()->info();
   const auto las_info = open_reader(GetParam().las_path()).value()->info();
   EXPECT_EQ(laz_info.attributes, las_info.attributes);
-  auto schema = laz_info.attributes;
-  if (GetParam().laz.name == wrong_extra_bytes) schema.resize(8);
+  const auto& schema = laz_info.attributes;
   const auto laz = read_path(GetParam().laz.path(), schema);
   const auto las = read_path(GetParam().las_path(), schema);
   ASSERT_EQ(sentence(laz), "");
@@ -173,12 +150,6 @@ TEST_P(EveryPair, IsOneCloudWithAllAttributes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(RealLaz, EveryPair, testing::ValuesIn(all_twins()));
-
-TEST(RealLaz, SaysWhatToDoWhenExtraBytesAreWrittenWrongly) {
-  EXPECT_NE(sentence(read_records(clouds / wrong_extra_bytes, all_fields))
-                .find("leave out the attributes that are not LAS's own"),
-            std::string::npos);
-}
 
 // Every LAS and LAZ file of the other folder, where that is; EveryCloud does it for those that are always there.
 struct Hashed {

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,6 +17,13 @@
 #include "tests/input/io_testing.h"
 
 namespace tessera::testing_io {
+
+// All bytes of a file.
+inline Bytes file_bytes(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  return bytes_of(text);
+}
 
 struct Records {
   LasHeader header;

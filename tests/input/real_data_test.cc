@@ -13,12 +13,6 @@
 namespace tessera::testing_io {
 namespace {
 
-Bytes file_bytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  return bytes_of(text);
-}
-
 template <class T>
 T at(const Bytes& bytes, std::size_t offset) {
   T value;

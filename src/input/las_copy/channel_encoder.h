@@ -70,15 +70,16 @@ class ChannelEncoder : public LayerEncoder {
 
   void next(const PointStep& step, const Value& value) {
     Channel& left = *channels_[current_];
-    const bool same = step.channel == current_;
-    current_ = step.channel;
+    const unsigned channel = item_channel(step, version_3_);
+    const bool same = channel == current_;
+    current_ = channel;
     auto& entered = channels_[current_];
     const bool seen = entered != nullptr;
     if (!seen) entered = std::make_unique<Channel>(left.last);
-    // Version 3 confuses the last values of two channels, and so must this encoder: see ChannelLayer.
+    // Version 3 confuses channels, and so must this encoder: see ChannelLayer.
     Channel& from = !same && seen && version_3_ ? left : *entered;
     entered->state.put(encoder_, step, from.last, value);
-    (State::keeps_own_last ? *entered : from).last = value;
+    from.last = value;
   }
 
   bool changed_;
@@ -105,7 +106,7 @@ class ByteInContextEncoder {
 
 struct ZEncoder {
   using Value = std::int32_t;
-  static constexpr bool keeps_own_last = false, always = true;
+  static constexpr bool always = true;
   explicit ZEncoder(Value z) { of_level.fill(z); }
   void put(ArithmeticEncoder& encoder, const PointStep& step, Value, Value value) {
     integers.next(encoder, of_level[step.level], value, step.z_context);
@@ -117,7 +118,7 @@ struct ZEncoder {
 
 struct ClassificationEncoder {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit ClassificationEncoder(Value) {}
   void put(ArithmeticEncoder& encoder, const PointStep& step, Value last, Value value) {
     bytes.next(encoder, (last & 31u) << 1 | (step.placement == 3), value);
@@ -128,7 +129,7 @@ struct ClassificationEncoder {
 // Byte 15 of a record without the channel.
 struct FlagsEncoder {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit FlagsEncoder(Value) {}
   static Value stored(Value value) { return value & 0xCF; }
   void put(ArithmeticEncoder& encoder, const PointStep&, Value last, Value value) {
@@ -142,7 +143,7 @@ struct FlagsEncoder {
 
 struct IntensityEncoder {
   using Value = std::uint16_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit IntensityEncoder(Value first) { last_of.fill(first); }
   void put(ArithmeticEncoder& encoder, const PointStep& step, Value, Value value) {
     Value& last = last_of[step.placement * 2u + step.new_time];
@@ -155,7 +156,7 @@ struct IntensityEncoder {
 
 struct ScanAngleEncoder {
   using Value = std::int16_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit ScanAngleEncoder(Value) {}
   void put(ArithmeticEncoder& encoder, const PointStep& step, Value last, Value value) {
     if (step.new_angle) integers.next(encoder, last, value, step.new_time);
@@ -165,7 +166,7 @@ struct ScanAngleEncoder {
 
 struct UserDataEncoder {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit UserDataEncoder(Value) {}
   void put(ArithmeticEncoder& encoder, const PointStep&, Value last, Value value) {
     bytes.next(encoder, last / 4u, value);
@@ -175,7 +176,7 @@ struct UserDataEncoder {
 
 struct SourceEncoder {
   using Value = std::uint16_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit SourceEncoder(Value) {}
   void put(ArithmeticEncoder& encoder, const PointStep& step, Value last, Value value) {
     if (step.new_source) integers.next(encoder, last, value);
@@ -185,7 +186,7 @@ struct SourceEncoder {
 
 struct GpsTimeLayerEncoder {
   using Value = std::int64_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit GpsTimeLayerEncoder(Value first) : times(first) {}
   void put(ArithmeticEncoder& encoder, const PointStep& step, Value, Value value) {
     if (step.new_time) times.next(encoder, value);
@@ -195,7 +196,7 @@ struct GpsTimeLayerEncoder {
 
 struct RgbLayerEncoder {
   using Value = Rgb;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit RgbLayerEncoder(Value) {}
   void put(ArithmeticEncoder& encoder, const PointStep&, const Value& last, const Value& value) {
     models.next(encoder, last, value);
@@ -206,7 +207,6 @@ struct RgbLayerEncoder {
 struct NirLayerEncoder {
   using Value = std::uint16_t;
   static constexpr bool always = false;
-  static constexpr bool keeps_own_last = true;  // also in version 3, unlike the colours
   explicit NirLayerEncoder(Value) {}
   void put(ArithmeticEncoder& encoder, const PointStep&, Value last, Value value) { models.next(encoder, last, value); }
   NirEncoder models;
@@ -215,7 +215,7 @@ struct NirLayerEncoder {
 // One of the extra bytes.
 struct ByteLayerEncoder {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, always = false;
+  static constexpr bool always = false;
   explicit ByteLayerEncoder(Value) {}
   void put(ArithmeticEncoder& encoder, const PointStep&, Value last, Value value) {
     encoder.symbol(model, static_cast<std::uint32_t>(value - last) & 0xFF);

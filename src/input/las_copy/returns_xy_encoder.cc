@@ -42,6 +42,7 @@ void ReturnsXyEncoder::next(PointStep& step, const std::byte* record) {
   const std::uint32_t channel = channel_of(record);
   const LastPoint point = point_of(record), last = channels_[channel] ? channels_[channel]->last : before;
   step.channel = static_cast<std::uint8_t>(channel);
+  step.new_channel = channel != current_;
   step.new_source = point.source != last.source;
   step.new_time = last_time_was_new_ = point.time != last.time;
   step.new_angle = point.angle != last.angle;

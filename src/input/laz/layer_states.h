@@ -28,7 +28,6 @@ class ByteInContext {
 
 struct ZState {
   using Value = std::int32_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit ZState(Value z) { of_level.fill(z); }
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value) {
     return of_level[step.level] = integers.next(decoder, of_level[step.level], step.z_context);
@@ -39,7 +38,6 @@ struct ZState {
 
 struct ClassificationState {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit ClassificationState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return bytes.next(decoder, (last & 31u) << 1 | (step.placement == 3));
@@ -51,7 +49,6 @@ struct ClassificationState {
 // which comes from the first layer.
 struct FlagsState {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit FlagsState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) {
     auto& model = models_[(last & 15u) | (last >> 2 & 48u)];
@@ -69,7 +66,6 @@ struct FlagsState {
 
 struct IntensityState {
   using Value = std::uint16_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit IntensityState(Value first) { last_of.fill(first); }
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value) {
     Value& last = last_of[step.placement * 2u + step.new_time];
@@ -81,7 +77,6 @@ struct IntensityState {
 
 struct ScanAngleState {
   using Value = std::int16_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit ScanAngleState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return step.new_angle ? static_cast<Value>(integers.next(decoder, last, step.new_time)) : last;
@@ -91,7 +86,6 @@ struct ScanAngleState {
 
 struct UserDataState {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit UserDataState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) { return bytes.next(decoder, last / 4u); }
   ByteInContext bytes;
@@ -99,7 +93,6 @@ struct UserDataState {
 
 struct SourceState {
   using Value = std::uint16_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit SourceState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return step.new_source ? static_cast<Value>(integers.next(decoder, last)) : last;
@@ -109,7 +102,6 @@ struct SourceState {
 
 struct GpsTimeState {
   using Value = std::int64_t;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit GpsTimeState(Value first) : times(first) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return step.new_time ? times.next(decoder) : last;
@@ -119,7 +111,6 @@ struct GpsTimeState {
 
 struct RgbState {
   using Value = Rgb;
-  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit RgbState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, const Value& last) { return models.next(decoder, last); }
   RgbModels models;
@@ -127,8 +118,6 @@ struct RgbState {
 
 struct NirState {
   using Value = std::uint16_t;
-  static constexpr bool extra_byte = false;
-  static constexpr bool keeps_own_last = true;  // also in version 3, unlike the colours
   explicit NirState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) { return models.next(decoder, last); }
   NirModels models;
@@ -137,7 +126,6 @@ struct NirState {
 // One of the extra bytes.
 struct ByteState {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false, extra_byte = true;
   explicit ByteState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) {
     return static_cast<Value>(last + decoder.symbol(model));

@@ -40,7 +40,7 @@ class LayeredDecoder : public ChunkDecoder {
       for (const auto& layer : layers_) {
         layer->decode(steps_, records, stride);
         if (const ByteFeed* feed = layer->feed()) {
-          BOOST_OUTCOME_TRYV(check_layer(*layer, check_stream(*feed)));
+          BOOST_OUTCOME_TRYV(check_stream(*feed));
         }
       }
       records += count * stride;
@@ -54,22 +54,12 @@ class LayeredDecoder : public ChunkDecoder {
     BOOST_OUTCOME_TRYV(check_stream_end(xy_->feed()));
     for (const auto& layer : layers_)
       if (const ByteFeed* feed = layer->feed()) {
-        BOOST_OUTCOME_TRYV(check_layer(*layer, check_stream_end(*feed)));
+        BOOST_OUTCOME_TRYV(check_stream_end(*feed));
       }
     return success();
   }
 
  private:
-  // Adds advice to an error in extra bytes. Such files exist: laz-perf, up to 3.4 at least, does not follow the
-  // specification for extra bytes when points of several scanner channels alternate. LASzip cannot read them either.
-  // The rest of such a file is right.
-  Status check_layer(const Layer& layer, const Status& status) const {
-    if (status.has_value() || status.error().code != Errc::bad_input || !layer.extra_byte()) return status;
-    return error(Errc::bad_input, status.error().where +
-                                      ", in a layer of extra bytes. Some writers get these wrong; "
-                                      "leave out the attributes that are not LAS's own");
-  }
-
   // The chunk begins with its first point uncompressed, its number of points, and the lengths of all its layers.
   Status begin(std::byte* record) {
     const LazItem* const extra = layout_.find(ItemType::byte_14);

@@ -43,7 +43,8 @@ void ReturnsXyLayer::next(PointStep& step, std::byte* record) {
   const auto& before = *channels_[current_];
   const std::uint32_t context = (before.number == 1) | (before.number >= before.returns) << 1 | last_time_was_new_ << 2;
   const std::uint32_t changes = decoder_.symbol(channels_[current_]->changes[context]);
-  if ((changes & 64) != 0) enter_channel((current_ + decoder_.symbol(channels_[current_]->next_channel) + 1) & 3);
+  step.new_channel = (changes & 64) != 0;
+  if (step.new_channel) enter_channel((current_ + decoder_.symbol(channels_[current_]->next_channel) + 1) & 3);
   Channel& c = *channels_[current_];
   step.channel = static_cast<std::uint8_t>(current_);
   step.new_source = (changes & 32) != 0;

@@ -40,7 +40,7 @@ class HeaderBytes {
   bool swapped_;
 };
 
-struct Header {
+struct GadgetHeader {
   std::array<std::uint64_t, types> particles{}, total{};  // in this file; in all files of the snapshot
   std::array<double, types> mass{};                       // of all particles of a type; 0: each has its own
   double time = 0, box = 0;
@@ -48,8 +48,8 @@ struct Header {
   std::uint64_t all() const { return std::accumulate(particles.begin(), particles.end(), std::uint64_t{0}); }
 };
 
-Header header_of(const HeaderBytes& bytes) {
-  Header header;
+GadgetHeader gadget_header_of(const HeaderBytes& bytes) {
+  GadgetHeader header;
   for (std::size_t t = 0; t < types; ++t) {
     header.particles[t] = bytes.integer(4 * t);
     header.mass[t] = bytes.real(24 + 8 * t);
@@ -146,7 +146,7 @@ const std::array<Known, 7>& known_blocks() {
 // Turns header and blocks into a layout.
 class LayoutMaker {
  public:
-  LayoutMaker(const ByteSource& source, Header header, bool swapped) : source_(source), header_(header) {
+  LayoutMaker(const ByteSource& source, GadgetHeader header, bool swapped) : source_(source), header_(header) {
     layout_.swapped = swapped;
     layout_.particles = header.all();
     const std::size_t type = column("particle_type", AttributeType::u8);
@@ -216,13 +216,14 @@ class LayoutMaker {
   }
 
   const ByteSource& source_;
-  Header header_;
+  GadgetHeader header_;
   Layout layout_;
 };
 
 // The numbers of a header that are the same in all files of a snapshot.
-SnapshotPart snapshot_of(const Header& header) {
-  std::string run = json_text(nlohmann::json{header.time, header.box, header.total, header.mass});
+SnapshotPart snapshot_of(const GadgetHeader& header) {
+  std::string run = json_text(
+      nlohmann::json{{"time", header.time}, {"box", header.box}, {"total", header.total}, {"mass", header.mass}});
   return {.run = std::move(run),
           .files = std::max(1u, header.files),
           .points = std::accumulate(header.total.begin(), header.total.end(), std::uint64_t{0})};
@@ -245,7 +246,7 @@ std::optional<Begin> begin_of(std::span<const std::byte> begin) {
 
 // Without labels, blocks follow each other in the order of known_blocks(); those without particles are left out. Behind
 // the density other blocks may follow, depending on how the program was compiled, so no more are read.
-Result<Layout> layout_of(const ByteSource& source, Blocks& blocks, const Header& header, const Begin& begin) {
+Result<Layout> layout_of(const ByteSource& source, Blocks& blocks, const GadgetHeader& header, const Begin& begin) {
   LayoutMaker maker(source, header, begin.swapped);
   bool positions = false;
   if (begin.labels) {
@@ -299,7 +300,7 @@ Result<std::unique_ptr<PointReader>> open_gadget(std::unique_ptr<ByteSource> sou
   if (!block || block->bytes != header_bytes) return bad("its header does not have 256 bytes");
   std::array<std::byte, header_bytes> bytes{};
   BOOST_OUTCOME_TRYV(source->read(block->at, bytes));
-  const Header header = header_of(HeaderBytes(bytes, begin->swapped));
+  const GadgetHeader header = gadget_header_of(HeaderBytes(bytes, begin->swapped));
   if (header.all() == 0) return bad("holds no particles");
   if (!std::isfinite(header.box) || header.box < 0) return bad("says that its box is not a length of 0 or more");
   BOOST_OUTCOME_TRY(layout, layout_of(*source, blocks, header, *begin));

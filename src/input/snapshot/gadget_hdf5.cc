@@ -26,7 +26,7 @@ constexpr std::size_t types_max = 7;  // SWIFT has neutrinos as type 6
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> usual_names{
     {{"Velocities", "v"}, {"ParticleIDs", "particle_id"}, {"Masses", "mass"}}};
 
-struct Header {
+struct SnapshotHeader {
   std::vector<std::uint64_t> particles;
   std::vector<double> mass, box;
   std::optional<SnapshotPart> part;
@@ -40,10 +40,10 @@ struct TableColumn {
 struct ParticleType {
   std::size_t number = 0;
   std::uint64_t first = 0, count = 0;
-  std::vector<Dataset> tables;
+  std::vector<Dataset> tables = {};
   std::size_t positions = 0;     // which table
   bool whole_positions = false;  // positions are integers
-  std::vector<TableColumn> columns;
+  std::vector<TableColumn> columns = {};
   std::string group() const { return "/PartType" + std::to_string(number); }
 };
 
@@ -57,9 +57,9 @@ struct Snapshot {
 
 std::string box_text(const std::vector<double>& numbers) { return json_text(nlohmann::json(numbers)); }
 
-Result<Header> read_header(const Hdf5File& file, const std::string& path) {
+Result<SnapshotHeader> read_header(const Hdf5File& file, const std::string& path) {
   const auto bad = [&](const std::string& what) { return error(Errc::bad_input, path + ": " + what); };
-  Header header;
+  SnapshotHeader header;
   auto particles = file.counts("/Header", "NumPart_ThisFile");
   if (!particles) return bad("is HDF5, but no snapshot: it has no group Header with the attribute NumPart_ThisFile");
   header.particles = std::move(*particles);
@@ -78,10 +78,12 @@ Result<Header> read_header(const Hdf5File& file, const std::string& path) {
   for (std::size_t t = 0; high && t < std::min(total.size(), high->size()); ++t) total[t] += (*high)[t] << 32;
   const auto files = file.counts("/Header", "NumFilesPerSnapshot");
   const auto time = file.numbers("/Header", "Time");
-  header.part = SnapshotPart{
-      .run = json_text(nlohmann::json{time.value_or(std::vector<double>{}), header.box, total, header.mass}),
-      .files = files && files->size() == 1 ? std::max<std::uint64_t>(1, (*files)[0]) : 1,
-      .points = std::accumulate(total.begin(), total.end(), std::uint64_t{0})};
+  header.part = SnapshotPart{.run = json_text(nlohmann::json{{"time", time.value_or(std::vector<double>{})},
+                                                             {"box", header.box},
+                                                             {"total", total},
+                                                             {"mass", header.mass}}),
+                             .files = files && files->size() == 1 ? std::max<std::uint64_t>(1, (*files)[0]) : 1,
+                             .points = std::accumulate(total.begin(), total.end(), std::uint64_t{0})};
   return header;
 }
 
@@ -161,7 +163,7 @@ class Tables {
   std::vector<std::string> raw_;  // of attributes 1, 2, ...
 };
 
-Result<Snapshot> read_snapshot(const Hdf5File& file, const Header& header, const std::string& path) {
+Result<Snapshot> read_snapshot(const Hdf5File& file, const SnapshotHeader& header, const std::string& path) {
   Snapshot snapshot;
   snapshot.mass = header.mass;
   std::copy(header.box.begin(), header.box.end(), snapshot.box.begin());

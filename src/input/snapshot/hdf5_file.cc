@@ -251,7 +251,8 @@ Result<Hdf5File> Hdf5File::open(const ByteSource& source) {
   const DriverInfo info{&source};
   if (!access || hdf5->H5Pset_driver(access.get(), driver(hdf5), &info) < 0)
     return error(Errc::internal, path + ": HDF5 takes no driver");
-  const hid_t file = hdf5->H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
+  constexpr unsigned read_only = 0;  // H5F_ACC_RDONLY is a macro that calls the library
+  const hid_t file = hdf5->H5Fopen(path.c_str(), read_only, access.get());
   if (file < 0) return error(Errc::bad_input, path + ": is no HDF5 file that can be read, or is damaged");
   auto impl = std::make_unique<Impl>();
   impl->hdf5 = hdf5;

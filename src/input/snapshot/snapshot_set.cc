@@ -16,18 +16,21 @@ namespace {
 // The name of a file of a snapshot, and which file it is: "snap_064.3" is file 3 of "snap_064".
 struct FileName {
   std::string snapshot;
-  std::string number;
+  std::string number, ending;
 };
 
 FileName split(const std::filesystem::path& file) {
   const auto path = without_packing(file);
-  const std::string text = path.string(), name = path.filename().string();
+  const bool has_ending = path.extension() == ".hdf5" || path.extension() == ".h5";
+  const std::string text = has_ending ? (path.parent_path() / path.stem()).string() : path.string();
+  const std::string name = std::filesystem::path(text).filename().string();
   const std::size_t dot = name.rfind('.');
   const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   if (dot == std::string::npos || dot + 1 == name.size() ||
       !std::all_of(name.begin() + static_cast<std::ptrdiff_t>(dot) + 1, name.end(), is_digit))
-    return {text, ""};
-  return {text.substr(0, text.size() - (name.size() - dot)), name.substr(dot + 1)};
+    return {path.string(), "", ""};
+  return {text.substr(0, text.size() - (name.size() - dot)), name.substr(dot + 1),
+          has_ending ? path.extension().string() : ""};
 }
 
 Status check_snapshot(const std::string& name, const std::vector<const FileInfo*>& files) {
@@ -48,7 +51,8 @@ Status check_snapshot(const std::string& name, const std::vector<const FileInfo*
   if (files.size() != first.files) {
     std::string missing;
     for (std::uint64_t i = 0; i < first.files && missing.empty(); ++i)
-      if (!there.contains(std::to_string(i))) missing = name + "." + std::to_string(i);
+      if (!there.contains(std::to_string(i)))
+        missing = name + "." + std::to_string(i) + split(files.front()->path).ending;
     return bad(*files.front(), "is one of " + std::to_string(first.files) + " files of a snapshot, but " +
                                    std::to_string(files.size()) + (files.size() == 1 ? " is" : " are") + " given" +
                                    (missing.empty() ? "" : "; " + missing + " is missing"));

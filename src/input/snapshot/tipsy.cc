@@ -14,26 +14,27 @@ namespace {
 constexpr std::size_t short_header = 28, long_header = 32;  // the long one ends with four bytes that align doubles
 
 // The numbers of a record behind mass, position and velocity.
-struct Kind {
+struct TipsyKind {
   int type;
   std::vector<const char*> more;
   std::size_t record_bytes() const { return sizeof(float) * (7 + more.size()); }
 };
 
-const std::array<Kind, 3>& kinds() {
-  static const std::array<Kind, 3> all{{{0, {"gas_density", "temperature", "smoothing_length", "metals", "potential"}},
-                                        {1, {"softening", "potential"}},
-                                        {4, {"metals", "formation_time", "softening", "potential"}}}};
+const std::array<TipsyKind, 3>& tipsy_kinds() {
+  static const std::array<TipsyKind, 3> all{
+      {{0, {"gas_density", "temperature", "smoothing_length", "metals", "potential"}},
+       {1, {"softening", "potential"}},
+       {4, {"metals", "formation_time", "softening", "potential"}}}};
   return all;
 }
 
-struct Header {
+struct TipsyHeader {
   std::size_t bytes = 0;
   bool swapped = false;
   std::array<std::uint64_t, 3> particles{};
 };
 
-std::optional<Header> header_of(std::span<const std::byte> begin, std::uint64_t size) {
+std::optional<TipsyHeader> tipsy_header_of(std::span<const std::byte> begin, std::uint64_t size) {
   if (begin.size() < short_header) return std::nullopt;
   for (const bool swapped : {false, true}) {
     const auto integer = [&](std::size_t at) -> std::uint64_t {
@@ -41,11 +42,11 @@ std::optional<Header> header_of(std::span<const std::byte> begin, std::uint64_t 
       return swapped ? __builtin_bswap32(value) : value;
     };
     if (integer(12) != 3) continue;  // dimensions
-    Header header{.bytes = 0, .swapped = swapped, .particles = {integer(16), integer(20), integer(24)}};
+    TipsyHeader header{.bytes = 0, .swapped = swapped, .particles = {integer(16), integer(20), integer(24)}};
     std::uint64_t body = 0, sum = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       sum += header.particles[k];
-      body += header.particles[k] * kinds()[k].record_bytes();
+      body += header.particles[k] * tipsy_kinds()[k].record_bytes();
     }
     if (sum == 0 || sum != integer(8)) continue;
     for (const std::size_t bytes : {short_header, long_header}) {
@@ -59,7 +60,7 @@ std::optional<Header> header_of(std::span<const std::byte> begin, std::uint64_t 
 }  // namespace
 
 bool is_tipsy(std::span<const std::byte> begin, std::optional<std::uint64_t> size) {
-  return size && header_of(begin, *size).has_value();
+  return size && tipsy_header_of(begin, *size).has_value();
 }
 
 Result<std::unique_ptr<PointReader>> open_tipsy(std::unique_ptr<ByteSource> source,
@@ -69,7 +70,7 @@ Result<std::unique_ptr<PointReader>> open_tipsy(std::unique_ptr<ByteSource> sour
   if (source->size() >= begin.size()) {
     BOOST_OUTCOME_TRYV(source->read(0, begin));
   }
-  const auto header = header_of(begin, source->size());
+  const auto header = tipsy_header_of(begin, source->size());
   if (!header) return error(Errc::bad_input, info.path.string() + ": is no Tipsy snapshot");
   Layout layout;
   layout.swapped = header->swapped;
@@ -83,7 +84,7 @@ Result<std::unique_ptr<PointReader>> open_tipsy(std::unique_ptr<ByteSource> sour
   };
   std::uint64_t at = header->bytes;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Kind& kind = kinds()[k];
+    const TipsyKind& kind = tipsy_kinds()[k];
     const std::uint64_t count = header->particles[k];
     if (count == 0) continue;
     Run run{.first = layout.particles, .count = count, .at = at, .record_bytes = kind.record_bytes(), .fields = {}};

@@ -1,0 +1,137 @@
+"""Snapshots of simulations as a user meets them: HDF5 files like those of Gadget, AREPO and SWIFT, written by h5py."""
+import unittest
+
+import h5py
+import numpy as np
+
+from cli import BAD_INPUT, CliTest
+
+
+class Snapshots(CliTest):
+    def write(self, name, counts=(40, 60, 0, 0, 5, 0), box=1000.0, seed=1, total=None, files=1, time=0.5, **more):
+        """A file with random particles; returns its positions."""
+        chance = np.random.default_rng(seed)
+        positions = []
+        with h5py.File(self.folder / name, "w", libver=more.get("libver", "earliest")) as file:
+            header = file.create_group("Header").attrs
+            header["NumPart_ThisFile"] = np.array(counts, more.get("counts", "u4"))
+            header["NumPart_Total"] = np.array(total or counts, "u4")
+            header["NumPart_Total_HighWord"] = np.zeros(len(counts), "u4")
+            header["MassTable"] = np.array([0, 0.25] + [0] * (len(counts) - 2))
+            header["NumFilesPerSnapshot"] = np.int32(files)
+            header["BoxSize"] = box
+            header["Time"] = time
+            for number, count in enumerate(counts):
+                if count == 0:
+                    continue
+                group = file.create_group(f"PartType{number}")
+                at = chance.random((count, 3)).astype(more.get("type", "f8")) * 1000
+                positions.append(at.astype("f8"))
+                options = more.get("options", {})
+                group.create_dataset("Coordinates", data=at, **options)
+                group.create_dataset("Velocities", data=at.astype("f4") / 2, **options)
+                group.create_dataset("ParticleIDs", data=np.arange(count, dtype="u8") + 2**60, **options)
+                if number != 1:
+                    group.create_dataset("Masses", data=np.arange(count) + 1.0, **options)
+                if number == 0:
+                    group.create_dataset("Density", data=np.arange(count, dtype="f4") * 3, **options)
+                    group.create_dataset("Metals", data=np.arange(2 * count, dtype="f4").reshape(-1, 2), **options)
+        return np.concatenate(positions)
+
+    def arrays(self, *files):
+        """Points and attributes of the result, in the order of the particles."""
+        self.ok("triangulate", *files, "-o", "made", "--attributes", "all", "--quiet", "--overwrite")
+        self.ok("export", "made", "-o", "arrays", "--format", "npy", "--quiet", "--overwrite")
+        load = {path.stem: np.load(path) for path in (self.folder / "arrays").glob("*.npy")}
+        order = np.argsort(load["ids"])
+        return {name: values[order] for name, values in load.items() if len(values) == len(order)}
+
+    def test_positions_and_attributes_are_those_of_the_file(self):
+        for more in ({}, {"type": "f4"}, {"libver": "latest"},
+                     {"options": {"compression": "gzip", "shuffle": True, "fletcher32": True, "chunks": True}},
+                     {"box": [1000.0, 1000.0, 1000.0]}, {"counts": "i8"}):
+            with self.subTest(**more):
+                positions = self.write("snap.hdf5", **more)
+                read = self.arrays("snap.hdf5")
+                self.assertTrue(np.array_equal(read["points"], positions))
+                self.assertEqual(np.bincount(read["particle_type"]).tolist(), [40, 60, 0, 0, 5])
+                self.assertTrue(np.array_equal(read["vy"], positions[:, 1].astype("f4") / 2))
+                self.assertEqual(read["particle_id"][:3].tolist(), [2**60, 2**60 + 1, 2**60 + 2])
+                self.assertEqual(read["mass"][[0, 39, 40, 99, 104]].tolist(), [1, 40, 0.25, 0.25, 5])
+                self.assertEqual(read["Density"][[1, 39]].tolist(), [3, 117])
+                self.assertTrue(np.isnan(read["Density"][40:]).all())
+                self.assertEqual(read["Metals_2"][5], 11)
+
+    def test_integer_coordinates_are_scaled_by_the_box(self):
+        self.write("snap.hdf5", counts=(0, 30, 0, 0, 0, 0))
+        steps = np.random.default_rng(3).integers(0, 2**32, (30, 3), dtype="u4")
+        with h5py.File(self.folder / "snap.hdf5", "r+") as file:
+            del file["PartType1/Coordinates"]
+            file["PartType1/IntegerCoordinates"] = steps
+        self.assertTrue(np.array_equal(self.arrays("snap.hdf5")["points"], steps * (1000 / 2**32)))
+
+    def test_a_snapshot_in_several_files_is_one_cloud(self):
+        counts = [(10, 20, 0, 0, 0, 0), (5, 1, 0, 0, 0, 0), (0, 9, 0, 0, 0, 0)]
+        total = (15, 30, 0, 0, 0, 0)
+        positions = [self.write(f"snap.{i}.hdf5", counts=of, seed=i, total=total, files=3) for i, of in enumerate(counts)]
+        self.assertTrue(np.array_equal(self.arrays("snap.0.hdf5", "snap.1.hdf5", "snap.2.hdf5")["points"], np.concatenate(positions)))
+        self.refused(BAD_INPUT, "info", "snap.0.hdf5", "snap.2.hdf5", says="snap.0.hdf5: is one of 3 files of a snapshot, but 2 are given; snap.1.hdf5 is missing")
+        self.write("snap.1.hdf5", counts=counts[1], total=total, files=3, time=0.75)
+        self.refused(BAD_INPUT, "info", "snap.0.hdf5", "snap.1.hdf5", "snap.2.hdf5", says="snap.1.hdf5: is of another snapshot than snap.0.hdf5")
+        whole = (self.folder / "snap.2.hdf5").read_bytes()
+        (self.folder / "snap.2.hdf5").write_bytes(whole[:len(whole) // 2])
+        self.refused(BAD_INPUT, "info", "snap.0.hdf5", "snap.1.hdf5", "snap.2.hdf5", says="snap.2.hdf5: is no HDF5 file that can be read, or is damaged")
+
+    def test_a_file_may_name_no_other_files(self):
+        secret = np.zeros((30, 3))
+        secret.tofile(self.folder / "secret.bin")
+        with h5py.File(self.folder / "other.hdf5", "w") as file:
+            file["a"] = secret
+        def changed(change):
+            self.write("snap.hdf5", counts=(0, 30, 0, 0, 0, 0))
+            with h5py.File(self.folder / "snap.hdf5", "r+") as file:
+                del file["PartType1/Coordinates"]
+                change(file["PartType1"])
+        changed(lambda group: group.create_dataset("Coordinates", (30, 3), "f8", external=[(str(self.folder / "secret.bin"), 0, 720)]))
+        self.refused(BAD_INPUT, "info", "snap.hdf5", says="its table '/PartType1/Coordinates' takes its numbers from other files")
+        def virtual(group):
+            layout = h5py.VirtualLayout((30, 3), "f8")
+            layout[:] = h5py.VirtualSource(str(self.folder / "other.hdf5"), "a", (30, 3))
+            group.create_virtual_dataset("Coordinates", layout)
+        changed(virtual)
+        self.refused(BAD_INPUT, "info", "snap.hdf5", says="takes its numbers from other files")
+        for link in (h5py.ExternalLink("other.hdf5", "/a"), h5py.SoftLink("/a")):
+            def linked(group, link=link):
+                group["Coordinates"] = link
+            changed(linked)
+            self.refused(BAD_INPUT, "info", "snap.hdf5", says="its group /PartType1 has neither Coordinates nor IntegerCoordinates")
+
+    def test_what_makes_no_sense_is_a_sentence(self):
+        with h5py.File(self.folder / "a.hdf5", "w") as file:
+            file["x"] = np.zeros(3)
+        self.refused(BAD_INPUT, "info", "a.hdf5", says="a.hdf5: is HDF5, but no snapshot: it has no group Header with the attribute NumPart_ThisFile")
+        self.write("b.hdf5", counts=(0, 30, 0, 0, 0, 0))
+        with h5py.File(self.folder / "b.hdf5", "r+") as file:
+            file["Header"].attrs["NumPart_ThisFile"] = np.array([0, 31, 0, 0, 0, 0], "u4")
+        self.refused(BAD_INPUT, "info", "b.hdf5", says="has 30 x 3 Coordinates, but the header says 31 particles")
+        with h5py.File(self.folder / "b.hdf5", "r+") as file:
+            file["Header"].attrs["NumPart_ThisFile"] = np.array([7, 30, 0, 0, 0, 0], "u4")
+        self.refused(BAD_INPUT, "info", "b.hdf5", says="says that it has 7 particles of type 0, but has no group /PartType0")
+        (self.folder / "c.hdf5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(5000))
+        self.refused(BAD_INPUT, "info", "c.hdf5", says="c.hdf5: is no HDF5 file")
+
+    def test_damage_ends_in_a_sentence_or_in_a_cloud(self):
+        self.write("snap.hdf5", counts=(0, 30, 0, 0, 0, 0), options={"compression": "gzip"})
+        whole = (self.folder / "snap.hdf5").read_bytes()
+        chance = np.random.default_rng(5)
+        for _ in range(60):
+            bad = bytearray(whole)
+            for at in chance.integers(0, len(whole), 20):
+                bad[at] = chance.integers(256)
+            (self.folder / "bad.hdf5").write_bytes(bad)
+            done = self.run_tessera("triangulate", "bad.hdf5", "-o", "bad", "--quiet", "--overwrite", "--skip-invalid")
+            self.assertIn(done.returncode, (0, BAD_INPUT), done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
