@@ -24,7 +24,7 @@ class PointsChanged(typing.NamedTuple):
     ids: range
     """The source indices of the new points, in their order."""
     equal: int
-    """How many of the new points are equal to others. They are no vertices."""
+    """How many of the new points are equal to others. The rule of the result says which of equal points is the vertex."""
     removed: int
 
 
@@ -46,7 +46,7 @@ class Live:
     def __init__(self, client: Client, name: str):
         self._http, self._path = client._http, f"/triangulations/{quoted(name)}"
 
-    def add(self, points: npt.ArrayLike) -> PointsChanged:
+    def add(self, points: npt.ArrayLike, replace: bool = False) -> PointsChanged:
         """Adds points. When add() returns, they survive the end of the daemon.
 
         Parameters
@@ -54,6 +54,9 @@ class Live:
         points
             An array, n x dim. For a result with attributes or heights a structured array with the fields x, y, z and
             the attributes, of the types that the result has. The daemon takes 1 MiB at a time.
+        replace
+            True: a new point takes the place of all points of the result with its coordinates (in 2D with its x and y).
+            These are removed, with their duplicates.
 
         Raises UsageError if the result is not live, or if you may not change it.
         """
@@ -62,7 +65,7 @@ class Live:
             array = np.ascontiguousarray(array, dtype=np.float64)
             if array.ndim != 2:
                 raise UsageError("points: must be an array of n x 2 or n x 3 coordinates, or a structured array")
-        return self._change("POST", array)
+        return self._change("POST", array, "?replace=true" if replace else "")
 
     def remove(self, ids: npt.ArrayLike) -> PointsChanged:
         """Removes points, by their source indices. The source index of a removed point is never used again."""
@@ -71,10 +74,10 @@ class Live:
             raise UsageError("ids: must be source indices, whole numbers that are not negative")
         return self._change("DELETE", array.astype("<i8"))
 
-    def _change(self, method: str, array: np.ndarray) -> PointsChanged:
+    def _change(self, method: str, array: np.ndarray, query: str = "") -> PointsChanged:
         body = io.BytesIO()
         np.save(body, array, allow_pickle=False)
-        with self._http.open(method, f"{self._path}/points", {"Content-Type": "application/x-npy"}, body.getvalue()) as answer:
+        with self._http.open(method, f"{self._path}/points{query}", {"Content-Type": "application/x-npy"}, body.getvalue()) as answer:
             told = self._http.document(answer)
         try:
             first = int(told["firstID"])

@@ -16,7 +16,9 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/files/folder.h"
 #include "src/base/files/free_space.h"
+#include "src/base/files/live_names.h"
 #include "src/base/files/names.h"
+#include "src/base/files/record_log.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/result/old_versions.h"
@@ -69,6 +71,24 @@ bool is_of_duplicates(const fs::path& name) {
   return is_duplicates_name(final_name) || is_duplicate_rows_name(final_name);
 }
 
+// The log of a result that is, or was, kept in memory may have changes that a version by others would not have.
+Status check_nothing_unstored(const fs::path& out, std::uint32_t version) {
+  const fs::path path = live_log_file(out, version);
+  BOOST_OUTCOME_TRY(there, is_there(path));
+  if (!there) return success();
+  std::uint64_t records = 0;
+  const auto count = [&](std::uint32_t, std::span<const std::byte>) -> Status {
+    ++records;
+    return success();
+  };
+  BOOST_OUTCOME_TRYV(RecordLog::open(path, count));
+  if (records <= 1) return success();  // the first one says whose log it is
+  return error(Errc::usage, path.string() +
+                                ": this log has changes that are not stored, of a time when the result was kept in "
+                                "memory; keep it in memory once more, so that they are stored, or move the log away if "
+                                "the changes are not wanted");
+}
+
 std::int64_t now_in_seconds() {
   return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -86,6 +106,9 @@ Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const
     return error(Errc::usage, out.string() + ": is of format version " +
                                   std::to_string(source.manifest().format_version) +
                                   ", which is read and not changed; triangulate again");
+  if (!options.has_log) {
+    BOOST_OUTCOME_TRYV(check_nothing_unstored(out, source.manifest().version));
+  }
   std::unique_ptr<NewVersion> made(new NewVersion(std::move(lock), std::move(source)));
   BOOST_OUTCOME_TRYV(made->read_log(options.keep));
   BOOST_OUTCOME_TRYV(made->mend_master());

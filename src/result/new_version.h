@@ -44,6 +44,8 @@ struct VersionOptions {
   LockOptions lock = {};
   // How many of the newest versions stay readable, from now on; at least 1. Nothing: as many as before.
   std::optional<std::uint32_t> keep = {};
+  // The caller has the log of a result that is kept in memory (src/delaunay/live).
+  bool has_log = false;
 };
 
 // What a version says of itself in the log.
@@ -57,8 +59,9 @@ struct VersionNote {
 class NewVersion {
  public:
   // Begins a change, and takes the folder's lock. Errors: those of TileSource::open(); usage when another process works
-  // in the folder, when the result has format 2, or when the path names an older version; corrupt when the manifest of
-  // an older version, which a reader still uses, or the log is damaged; io.
+  // in the folder or keeps the result in memory, when a log has changes that are not stored, when the result has format
+  // 2, or when the path names an older version; corrupt when the manifest of an older version, which a reader still
+  // uses, or a log is damaged; io.
   static Result<std::unique_ptr<NewVersion>> begin(const std::filesystem::path& out,
                                                    const VersionOptions& options = {});
   // Removes everything that was written, unless commit() was called.

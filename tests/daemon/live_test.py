@@ -4,12 +4,13 @@ import io
 import json
 import os
 import signal
+import subprocess
 import threading
 import unittest
 
 import numpy as np
 
-from daemon import DaemonTest
+from daemon import TESSERA, DaemonTest
 
 BLOCK = "/v1/triangulations/block"
 KILLS = int(os.environ.get("LIVE_KILLS", "10"))
@@ -235,6 +236,64 @@ class Points(LiveTest):
         block = tessera.open(self.folder / "data/results/block")
         classes, times = self.columns(block)
         self.assertEqual((classes[31], times[31], classes[32], times[32], classes[5]), (78, 0.2, 90, 7.5, 5))
+
+    def test_which_of_equal_points_is_the_vertex_follows_the_rule_of_the_result(self):
+        heights = np.array([[x, y, 10 + x] for x in range(8) for y in range(8)], float)
+        for keep in ("last", "lowest", "highest"):
+            self.make(keep, heights, "--dim", "2", "--keep", keep)
+        daemon = self.start("--live", "last,lowest,highest")
+        for keep, vertex in (("last", 66), ("lowest", 65), ("highest", 64)):
+            for height in (20.0, -3.0, 12.5):
+                added = self.add(daemon, [[3, 4, height]], keep)[2]
+            self.assertEqual((added["firstID"], added["equal"], added["removed"]), (66, 1, 0))
+            path = f"/v1/triangulations/{keep}"
+            self.assertEqual(daemon.request("GET", f"{path}/vertices/{vertex}/star")[0], 200)
+            self.assertEqual(daemon.request("GET", f"{path}/vertices/28/star")[0], 400)
+            self.assertEqual(self.remove(daemon, [vertex], keep)[2]["removed"], 1)
+            heir = {"last": 65, "lowest": 66, "highest": 28}[keep]
+            self.assertEqual(daemon.request("GET", f"{path}/vertices/{heir}/star")[0], 200)
+        self.assertEqual(daemon.end(), 0, daemon.messages())
+        for keep in ("last", "lowest", "highest"):
+            self.assertEqual(self.proved(keep), 64)
+
+    def test_new_points_replace_those_that_are_equal_to_them(self):
+        self.make()
+        daemon = self.start("--live", "block")
+        self.assertEqual(self.add(daemon, [[3, 4]])[2]["equal"], 1)
+        found = daemon.request("POST", f"{BLOCK}/points?replace=true", {"points": [[3, 4], [2.5, 2.5]]})[2]
+        self.assertEqual((found["firstID"], found["added"], found["equal"], found["removed"]), (121, 2, 0, 2))
+        self.assertEqual(daemon.request("GET", f"{BLOCK}/vertices/121/star")[0], 200)
+        import tessera
+        block = tessera.connect(daemon.url, daemon.token).live("block")
+        self.assertEqual(block.add([[3, 4]], replace=True)[1:], (range(123, 124), 0, 1))
+        with concurrent.futures.ThreadPoolExecutor(6) as pool:
+            answers = list(pool.map(lambda _: block.add([[3, 4]], replace=True), range(30)))
+        self.assertEqual({(one.equal, one.removed) for one in answers}, {(0, 1)})
+        self.assertEqual(daemon.request("GET", BLOCK)[2]["live"]["vertices"], 121)
+        self.assertEqual(daemon.end(signal.SIGKILL), -signal.SIGKILL)
+        again = self.start("--live", "block")
+        self.assertEqual(again.request("GET", f"{BLOCK}/vertices/{max(one.ids[0] for one in answers)}/star")[0], 200)
+        self.assertEqual(again.end(), 0)
+        self.assertEqual(self.proved(), 121)
+
+    def test_a_result_with_changes_that_are_not_stored_is_not_changed_otherwise(self):
+        self.make()
+        daemon = self.start("--live", "block")
+        self.add(daemon, [[3.5, 4.5]])
+        block = self.folder / "data/results/block"
+        np.save(self.folder / "ids.npy", np.array([5]))
+        self.assertIn("another process has this log", self.refused_update(block))
+        self.assertEqual(daemon.end(signal.SIGKILL), -signal.SIGKILL)
+        self.assertIn("has changes that are not stored", self.refused_update(block))
+        daemon = self.start("--live", "block")
+        self.assertEqual(daemon.end(), 0)
+        self.tessera("update", block, "--remove-ids", "ids.npy")
+        self.assertEqual(self.proved(), 120)
+
+    def refused_update(self, result):
+        done = subprocess.run([TESSERA, "update", result, "--remove-ids", "ids.npy"], cwd=self.folder, text=True, capture_output=True)
+        self.assertNotEqual(done.returncode, 0)
+        return done.stderr
 
     def columns(self, block):
         classes, times = {}, {}

@@ -3,6 +3,7 @@
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -34,6 +35,7 @@ bool refused() {
   const std::uint64_t now = ++asked;
   if (now < first_to_fail || now > last_to_fail) return false;
   ++failed;
+  if (number_to_give == kill_process) ::kill(::getpid(), SIGKILL);
   errno = number_to_give;
   return true;
 }
@@ -151,6 +153,14 @@ ssize_t pwrite(int file, const void* from, size_t size, off_t at) {
 
 int fsync(int file) {
   static auto* const real = next(&fsync, "fsync");
+  if (refuses(file)) return -1;
+  const int result = real(file);
+  note_sync(file, result);
+  return result;
+}
+
+int fdatasync(int file) {
+  static auto* const real = next(&fdatasync, "fdatasync");
   if (refuses(file)) return -1;
   const int result = real(file);
   note_sync(file, result);

@@ -11,6 +11,9 @@ namespace tessera::testing {
 // A broken disk, a server that has forgotten a file, links without end, rights that are missing.
 inline constexpr int disk_errors[] = {EIO, ESTALE, ELOOP, EACCES};
 
+// Instead of an error: the process is killed before the call.
+inline constexpr int kill_process = -1;
+
 // From now on, of the calls for what is below `folder`, the `first`-th (from 1) and those after it, `count` in all,
 // fail with `number` and do nothing else; with `count` 0 none. `folder`: absolute, without links.
 void fail_below(const std::filesystem::path& folder, std::uint64_t first, std::uint64_t count, int number);

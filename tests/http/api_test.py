@@ -211,6 +211,11 @@ class Api(serving.ServerTest):
         path = "/v1/triangulations/block/points"
         added = self.ask("POST", path, {"points": [[1, 2, 3]]}).json()
         self.assertEqual((added["added"], added["removed"], added["firstID"]), (1, 0, 100 + added["version"]))
+        self.assertEqual(self.ask("POST", path + "?replace=true", {"points": [[1, 2, 3]]}).json()["removed"], 1)
+        self.assertEqual(self.ask("POST", path + "?replace=false", {"points": [[1, 2, 3]]}).json()["removed"], 0)
+        self.assertEqual(self.ask("POST", path + "?replace=yes", {"points": [[1, 2, 3]]}).status, 400)
+        self.assertEqual(self.ask("DELETE", path + "?replace=true", {"ids": [1]}).status, 400)
+        added["version"] += 2
         removed = self.ask("DELETE", path, b"\x0a\x01\x05", headers={"Content-Type": "application/x-protobuf"})
         self.assertEqual((removed.status, removed.json()["version"]), (200, added["version"] + 1))
         npy = self.ask("POST", path, b"\x93NUMPY", headers={"Content-Type": "application/x-npy; x=y",

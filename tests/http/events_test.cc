@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
+
+#include "src/service/live/version_events.h"
 
 namespace tessera::service::http {
 namespace {
@@ -49,6 +52,30 @@ TEST(EventQueue, DropsAWatcherThatIsTooSlow) {
   bool over = false;
   EXPECT_EQ(queue.take(over), "");
   EXPECT_TRUE(over);
+}
+
+// Otherwise the watcher would be dropped again and again, and never get on.
+TEST(EventQueue, TakesAllVersionsThatAWatcherHasMissed) {
+  const auto versions = std::make_shared<VersionEvents>(0);
+  constexpr std::uint64_t all = 2000;
+  for (std::uint64_t id = 1; id <= all; ++id) {
+    proto::VersionMade made;
+    made.set_version(id);
+    for (int k = 0; k < (id % 50 == 0 ? 1000 : 4); ++k) {
+      auto& box = *made.add_changed();
+      for (int i = 0; i < 6; ++i) box.add_bounds(-1234567.123456789 + i);
+    }
+    versions->tell(made);
+  }
+  for (const std::uint64_t last : {std::uint64_t{0}, all / 2, all - 60, all - 1}) {
+    EventTexts texts;
+    EventQueue queue(texts, "", {});
+    queue.keep(versions->follow(last, [&](const std::shared_ptr<const proto::Event>& event) { queue.add(event); }));
+    bool over = false;
+    const std::string text = queue.take(over);
+    EXPECT_FALSE(over) << "after " << last;
+    EXPECT_NE(text.find("id: " + std::to_string(all)), std::string::npos);
+  }
 }
 
 TEST(EventTexts, AreThoseOfTheirEvents) {

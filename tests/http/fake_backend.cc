@@ -327,7 +327,7 @@ Reply<proto::PointsChanged> FakeBackend::change_points(std::string_view name, co
   proto::VersionMade made;
   made.set_version(++version_);
   made.set_added(add ? 1 : 0);
-  made.set_removed(add ? 0 : 1);
+  made.set_removed(add && !body.replace ? 0 : 1);
   for (const double bound : {0.0, 0.5, 1.0, 2.0, 2.5, 3.0})
     (made.changed_size() ? made.mutable_changed(0) : made.add_changed())->add_bounds(bound);
   versions_->tell(made);

@@ -83,7 +83,8 @@ class FakeBackend final : public ProcessesBackend,
   Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) override;
   Reply<proto::NodeList> list() override;
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
-  // The result "block" is live. A body that begins with "refuse" is refused; any other adds or removes a point.
+  // The result "block" is live. A body that begins with "refuse" is refused; any other adds or removes a point, or
+  // does both to replace one.
   Reply<proto::PointsChanged> add(std::string_view name, const PointsBody& points, const Caller& caller) override;
   Reply<proto::PointsChanged> remove(std::string_view name, const PointsBody& ids, const Caller& caller) override;
   Reply<std::unique_ptr<Subscription>> follow(std::string_view name, std::optional<std::uint64_t> last,

@@ -9,15 +9,19 @@
 #include <random>
 
 #include "src/delaunay/live/live_result.h"
+#include "src/result/tile_source.h"
 #include "tests/live/live_model.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::testing {
 namespace {
 
+// Tiles are soon too large, so that many versions of the result split some.
+const LiveOptions options{.tile_points = 8};
+
 // Applies batch after batch, and tells of each; now and then makes a new version of the result. Never returns.
 [[noreturn]] void work(const std::filesystem::path& folder, LiveModel model, int tell) {
-  const auto live = LiveResult::open(folder, {});
+  const auto live = LiveResult::open(folder, options);
   if (!live) ::_exit(2);
   for (;;) {
     const bool applied = live.value()->apply(model.next()).has_value();
@@ -31,7 +35,7 @@ namespace {
 TEST(LiveKilled, LosesNothingThatWasAnsweredAndHasNothingByHalves) {
   const test::TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  LiveModel model({"lattice", 2, 4}, 40, 11);
+  LiveModel model({.kind = "lattice", .dimension = 2, .tiles = 4, .grows = true}, 40, 11);
   model.store(folder);
   std::mt19937_64 rng(1);
   std::uint64_t answered_in_all = 0, beyond = 0;
@@ -54,7 +58,7 @@ TEST(LiveKilled, LosesNothingThatWasAnsweredAndHasNothingByHalves) {
     while (::read(ends[0], &version, sizeof version) == sizeof version) answered = version;
     ::close(ends[0]);
 
-    const auto live = LiveResult::open(folder, {});
+    const auto live = LiveResult::open(folder, options);
     ASSERT_TRUE(live) << live.error().where;
     const auto now = live.value()->current();
     answered_in_all += answered - model.version();
@@ -66,8 +70,12 @@ TEST(LiveKilled, LosesNothingThatWasAnsweredAndHasNothingByHalves) {
     ++beyond;
     ASSERT_EQ(model.compare(*now), "") << "after end " << k;
   }
-  std::cout << "figures: " << answered_in_all << " batches were answered, " << beyond
-            << " times one more was in the log\n";
+  const auto source = TileSource::open(folder);
+  ASSERT_TRUE(source) << source.error().where;
+  const std::size_t tiles = source.value().manifest().boxes.size();
+  EXPECT_GT(tiles, 12u) << "hardly a tile was split";
+  std::cout << "figures: " << tiles << " tiles in the end, 4 in the beginning; " << answered_in_all
+            << " batches were answered, " << beyond << " times one more was in the log\n";
 }
 
 }  // namespace

@@ -22,16 +22,18 @@ LiveModel::LiveModel(const LiveCase& c, std::size_t count, std::uint64_t seed) :
   }
 }
 
-void LiveModel::store(const std::filesystem::path& out) const {
+void LiveModel::store(const std::filesystem::path& out) const { store(out, partition_); }
+
+Manifest LiveModel::store(const std::filesystem::path& out, const Partition& partition) const {
   StoredCloud cloud;
   cloud.dimension = case_.dimension;
-  cloud.partition = partition_;
+  cloud.partition = partition;
   cloud.points = list();
   cloud.points_read = next_id_;
   if (case_.attributes) cloud.schema = some_schema();
   cloud.duplicate_rows = !case_.old_software;
   cloud.kind_of = [this](TileId) { return case_.store; };
-  cloud.store(out);
+  return cloud.store(out);
 }
 
 std::vector<LocalPoint> LiveModel::list() const {
@@ -75,9 +77,11 @@ ResultChange LiveModel::next() const {
   }
   std::shuffle(out.remove.begin(), out.remove.end(), rng);
   if (way != 1) {
-    const std::uint64_t count = 1 + rng() % (points_.size() < pool_.size() ? 12 : 3);
+    const std::uint64_t count = 1 + rng() % (case_.grows ? 40 : points_.size() < pool_.size() ? 12 : 3);
     for (std::uint64_t k = 0; k < count; ++k) {
       Point p = pool_[rng() % pool_.size()];
+      if (case_.grows) p.x += static_cast<double>(rng() % 8) / 8;
+      if (case_.grows) p.y += static_cast<double>(rng() % 8) / 8;
       if (rng() % 16 == 0) p.x = p.x * 50 + 3;  // outside
       out.add.push_back(p);
     }

@@ -12,6 +12,7 @@
 #include "src/delaunay/live/live_version.h"
 #include "src/delaunay/update/update.h"
 #include "src/geometry/reference/reference.h"
+#include "src/result/store/tile_store.h"
 #include "src/tiling/partition.h"
 
 namespace tessera::testing {
@@ -24,6 +25,7 @@ struct LiveCase {
   TileKind store = TileKind::cells;
   bool attributes = false;
   bool old_software = false;  // has made the result, so the attributes of duplicates are not kept
+  bool grows = false;         // batches add many new places, so that tiles soon have many points
 };
 
 class LiveModel {
@@ -31,6 +33,8 @@ class LiveModel {
   // Two thirds of a cloud of `count` points are there from the beginning.
   LiveModel(const LiveCase& c, std::size_t count, std::uint64_t seed);
   void store(const std::filesystem::path& out) const;
+  // The same in other tiles.
+  Manifest store(const std::filesystem::path& out, const Partition& partition) const;
 
   // Counts batches, those that were refused, too.
   std::uint64_t version() const { return version_; }

@@ -178,22 +178,75 @@ TEST_F(LiveOne, NeverUsesARemovedIdAgain) {
   EXPECT_FALSE(live_->apply({.remove = {id}}));
 }
 
+// As a program changes it that does not know of the log.
+Result<Updated> change_by_other(const fs::path& result) {
+  Engine engine(1, std::uint64_t{1} << 30, kinds_of_stages());
+  Progress progress;
+  EngineStages stages(engine, {.threads = 1, .memory_bytes = std::uint64_t{1} << 30}, progress);
+  return update_result(result, {.add = {{0.75, 0.5, 0}}}, {}, stages);
+}
+
 TEST_F(LiveOne, DoesNotLoseALogWhenTheResultIsChangedByOthers) {
   LiveModel model({"uniform", 2}, 30, 5);
   model.store(folder_);
   open();
   ASSERT_NE(live_, nullptr);
+  const auto in_memory = change_by_other(folder_);
+  ASSERT_FALSE(in_memory);
+  EXPECT_NE(in_memory.error().where.find("000001.log: another process has this log"), std::string::npos)
+      << in_memory.error().where;
   ASSERT_TRUE(live_->apply({.add = {{0.25, 0.5, 0}}}));
   live_.reset();
-  Engine engine(1, std::uint64_t{1} << 30, kinds_of_stages());
-  Progress progress;
-  EngineStages stages(engine, {.threads = 1, .memory_bytes = std::uint64_t{1} << 30}, progress);
-  const auto updated = update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages);
+  const auto unstored = change_by_other(folder_);
+  ASSERT_FALSE(unstored);
+  EXPECT_NE(unstored.error().where.find("000001.log: this log has changes that are not stored"), std::string::npos)
+      << unstored.error().where;
+  const fs::path log = folder_ / ".live" / "000001.log", away = scratch_.path() / "away";
+  fs::rename(log, away);
+  const auto updated = change_by_other(folder_);
   ASSERT_TRUE(updated) << updated.error().where;
+  fs::rename(away, log);
   const auto lost = LiveResult::open(folder_, {});
   ASSERT_FALSE(lost);
   EXPECT_NE(lost.error().where.find("000001.log: this log has changes of an older version"), std::string::npos)
       << lost.error().where;
+}
+
+// A process ends between the version that it stores and the removal of the log; then another program makes a version.
+TEST_F(LiveOne, KnowsThatALogIsStoredAfterFurtherVersions) {
+  LiveModel model({"uniform", 2}, 30, 5);
+  model.store(folder_);
+  open();
+  ASSERT_NE(live_, nullptr);
+  ASSERT_TRUE(live_->apply({.add = {{0.25, 0.5, 0}}}));
+  const fs::path log = folder_ / ".live" / "000001.log", copy = scratch_.path() / "copy",
+                 kept = scratch_.path() / "log";
+  const auto written = live_->write_to(copy);
+  ASSERT_TRUE(written) << written.error().where;
+  const Manifest stored = live_->source().manifest();
+  live_.reset();
+  {
+    auto opened = LiveLog::open(
+        folder_, stored, [](std::uint64_t) {}, [](std::uint64_t, const ResultChange&) { return success(); });
+    ASSERT_TRUE(opened) << opened.error().where;
+    ASSERT_TRUE(opened.value().note_version(2, *read_manifest(copy).value().digest));
+  }
+  fs::copy(log, kept);
+  open();
+  ASSERT_NE(live_, nullptr);
+  ASSERT_TRUE(live_->checkpoint());
+  live_.reset();
+  fs::remove_all(folder_ / ".live");
+  for (int k = 0; k < 2; ++k) {
+    const auto updated = change_by_other(folder_);
+    ASSERT_TRUE(updated) << updated.error().where;
+  }
+  fs::create_directory(folder_ / ".live");
+  fs::copy(kept, log);
+  open();
+  ASSERT_NE(live_, nullptr);
+  EXPECT_EQ(live_->current()->number(), 3u);  // one batch and two versions
+  EXPECT_FALSE(fs::exists(log));
 }
 
 TEST_F(LiveOne, GivesNoNumberOfAVersionTwice) {
@@ -219,33 +272,11 @@ TEST_F(LiveOne, GivesNoNumberOfAVersionTwice) {
   // Another program makes a version, which counts.
   ASSERT_TRUE(live_->checkpoint());
   live_.reset();
-  Engine engine(1, std::uint64_t{1} << 30, kinds_of_stages());
-  Progress progress;
-  EngineStages stages(engine, {.threads = 1, .memory_bytes = std::uint64_t{1} << 30}, progress);
-  const auto updated = update_result(folder_, {.add = {{0.75, 0.5, 0}}}, {}, stages);
+  const auto updated = change_by_other(folder_);
   ASSERT_TRUE(updated) << updated.error().where;
   open();
   ASSERT_NE(live_, nullptr);
   EXPECT_EQ(live_->current()->number(), last + 1);
-}
-
-TEST_F(LiveOne, RefusesWhatItCouldNotKeepRight) {
-  StoredCloud cloud;
-  cloud.dimension = 2;
-  Bounds bounds;
-  std::vector<Point> places;
-  for (const LocalPoint& p : make_cloud("uniform", 2, 30, 1)) {
-    cloud.points.push_back(p);
-    places.push_back(p.at);
-    bounds.add(p.at);
-  }
-  cloud.points_read = cloud.points.size();
-  cloud.partition = Partition::build_tiles(PartitionKind::kdtree, 2, places, bounds, 3);
-  cloud.keep = DuplicatePolicy::last;
-  cloud.store(folder_);
-  const auto last = LiveResult::open(folder_, {});
-  ASSERT_FALSE(last);
-  EXPECT_NE(last.error().where.find("keeps the last of equal points"), std::string::npos) << last.error().where;
 }
 
 // The neighbours across all facets of all cells are the cells that share these facets.
@@ -390,6 +421,34 @@ TEST_F(LiveOne, CountsTheTilesOfOlderVersionsAsLongAsTheyAreRead) {
   EXPECT_LE(held.size(), 5u);
   held.clear();
   EXPECT_TRUE(add(41));
+}
+
+// Differences and squares of their coordinates overflow.
+TEST_F(LiveOne, HasPointsAsFarAwayAsNumbersReach) {
+  constexpr double far = 1.5e308;
+  for (const int dimension : {2, 3}) {
+    folder_ = scratch_.path() / ("far" + std::to_string(dimension));
+    LiveModel model({"lattice", dimension, 7}, 60, 3);
+    model.store(folder_);
+    open();
+    ASSERT_NE(live_, nullptr);
+    const double up = dimension == 3 ? far : 0;
+    for (const std::vector<Point>& add : {std::vector<Point>{{far, -far, up}, {-far, far, -up}, {1e-300, far, 0}},
+                                          std::vector<Point>{{far, far, up}, {-far, -far, -up}, {2.5, 1e200, 0}}}) {
+      const ResultChange change{.add = add};
+      const auto applied = live_->apply(change);
+      ASSERT_TRUE(applied) << applied.error().where;
+      model.apply(change);
+      EXPECT_EQ(model.compare(*live_->current()), "");
+    }
+    const auto equal = live_->apply({.add = {{far, far, up}}}, EqualToNew::go);
+    ASSERT_TRUE(equal) << equal.error().where;
+    EXPECT_EQ(equal.value().removed, 1u);
+    open();
+    ASSERT_NE(live_, nullptr);
+    ASSERT_TRUE(live_->checkpoint());
+    EXPECT_TRUE(verify(folder_, {}, {}));
+  }
 }
 
 // A reader asks the stars of neighbours: all of them must have the cells of the first one.

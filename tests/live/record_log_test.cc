@@ -2,6 +2,8 @@
 #include "src/base/files/record_log.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <filesystem>
 #include <string>
@@ -88,6 +90,31 @@ TEST_F(Records, AreDamagedByAnyFlippedBit) {
     EXPECT_EQ(left.error().code, Errc::corrupt);
     EXPECT_NE(left.error().where.find("a.log, byte "), std::string::npos) << left.error().where;
   }
+}
+
+// As a full disk does it: a part of the record is written.
+TEST_F(Records, AreAsBeforeAfterOneThatHasNoRoom) {
+  append(texts_);
+  const auto whole = content();
+  {
+    auto log = RecordLog::open(path_, [](std::uint32_t, std::span<const std::byte>) { return success(); });
+    ASSERT_TRUE(log) << log.error().where;
+    const auto handler = ::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const rlimit small{whole.size() + 50, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    const Status refused = log.value().append(1, bytes_of(std::string(500, 'y')));
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+    ::signal(SIGXFSZ, handler);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::io);
+    EXPECT_TRUE(log.value().intact());
+    EXPECT_EQ(content(), whole);
+    ASSERT_TRUE(log.value().append(1, bytes_of("more")));
+  }
+  texts_.emplace_back("more");
+  EXPECT_EQ(read().value(), texts_);
 }
 
 TEST_F(Records, MayNotBeMissing) {

@@ -38,4 +38,7 @@ std::vector<Attribute> some_schema();
 std::uint32_t some_value(PointId id);
 std::vector<std::byte> some_rows(const std::vector<PointId>& ids);
 
+// Of a schema of a height (f64) and some_value(): few different heights, and some that are unknown.
+std::vector<std::byte> row_with_height(PointId id);
+
 }  // namespace tessera::testing

@@ -106,10 +106,13 @@ Status RecordLog::read(const Visit& visit) {
     end_ += around + header.length;
     ++next_;
   }
-  if (end_ == size) return success();
-  if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fdatasync(file_.get()) != 0)
-    return io_error(path_, "cannot cut off its incomplete end", errno);
+  if (end_ < size && !cut_off()) return io_error(path_, "cannot cut off its incomplete end", errno);
   return success();
+}
+
+// What is behind the last whole record.
+bool RecordLog::cut_off() const {
+  return ::ftruncate(file_.get(), static_cast<off_t>(end_)) == 0 && ::fdatasync(file_.get()) == 0;
 }
 
 Status RecordLog::append(std::uint32_t kind, std::span<const std::byte> payload) {
@@ -120,8 +123,14 @@ Status RecordLog::append(std::uint32_t kind, std::span<const std::byte> payload)
   std::memcpy(record.data(), &header, sizeof header);
   if (!payload.empty()) std::memcpy(record.data() + sizeof header, payload.data(), payload.size());
   std::memcpy(record.data() + sizeof header + payload.size(), &sum, sizeof sum);
-  BOOST_OUTCOME_TRYV(write_at(file_.get(), record, end_, path_));
-  if (::fdatasync(file_.get()) != 0) return io_error(path_, "cannot write", errno);
+  if (const Status written = write_at(file_.get(), record, end_, path_); !written) {
+    intact_ = cut_off();
+    return written;
+  }
+  if (::fdatasync(file_.get()) != 0) {
+    intact_ = false;
+    return io_error(path_, "cannot write", errno);
+  }
   end_ += record.size();
   ++next_;
   return success();

@@ -36,14 +36,17 @@ class RecordLog {
   // the place; io; those of `visit`.
   static Result<RecordLog> open(const std::filesystem::path& path, const Visit& visit);
 
-  // Appends a record and syncs the file. After an error the log can only be destroyed: the record is there or not.
+  // Appends a record and syncs the file. After an error, as of a full disk, the record is not there while the log is
+  // intact. Otherwise the record is there or not, and the log can only be destroyed.
   Status append(std::uint32_t kind, std::span<const std::byte> payload);
+  bool intact() const { return intact_; }
   std::uint64_t records() const { return next_; }
   std::uint64_t bytes() const { return end_; }
 
  private:
   RecordLog(std::filesystem::path path, FileHandle file) : path_(std::move(path)), file_(std::move(file)) {}
   Status read(const Visit& visit);
+  bool cut_off() const;
   Error damaged(const std::string& what) const;
   Result<bool> zeros_from(std::uint64_t at, std::uint64_t size) const;
 
@@ -51,6 +54,7 @@ class RecordLog {
   FileHandle file_;
   std::uint64_t next_ = 0;  // the number of the next record
   std::uint64_t end_ = 0;   // where it goes
+  bool intact_ = true;
 };
 
 }  // namespace tessera

@@ -42,10 +42,12 @@ std::optional<TileId> IdTiles::find(PointId id) const {
   return std::nullopt;
 }
 
-std::size_t IdTiles::memory() const {
-  std::size_t bytes = 0;
-  for (const auto& list : lists_) bytes += list->ids.size() * (sizeof(PointId) + sizeof(TileId));
-  return bytes;
+std::size_t IdTiles::size() const {
+  std::size_t entries = 0;
+  for (const auto& list : lists_) entries += list->ids.size();
+  return entries;
 }
+
+std::size_t IdTiles::memory() const { return size() * (sizeof(PointId) + sizeof(TileId)); }
 
 }  // namespace tessera

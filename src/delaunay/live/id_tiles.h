@@ -1,5 +1,5 @@
-// Which tile owns the point of a source index. A point never changes its tile, and a removed index never comes again,
-// so entries are only added. Versions of a live result share them.
+// Which tile owns the point of a source index. A point changes its tile only when the tile is split, and a removed
+// index never comes again, so entries are only added. Versions of a live result share them.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +20,7 @@ class IdTiles {
   IdTiles with(std::vector<Entry> entries) const;
   // The tile of a point that is there or was removed.
   std::optional<TileId> find(PointId id) const;
+  std::size_t size() const;  // with removed points
   std::size_t memory() const;
 
  private:

@@ -1,6 +1,7 @@
 // The points of a live result that have the coordinates of a vertex and are none themselves.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -23,10 +24,12 @@ class LiveDuplicates {
   const std::set<PointId>* of(PointId kept) const;
   void add(PointId duplicate, PointId kept);
   void remove(PointId duplicate);
-  // Vertex `kept` goes. Its first duplicate, `heir`, takes its place, and has the others from now on.
+  // Vertex `kept` goes. `heir` takes its place, one of its duplicates or a new point, and has the others from now on.
   void inherit(PointId kept, PointId heir);
   // Ascending.
   std::vector<DuplicatePair> pairs() const;
+  std::size_t size() const { return kept_.size(); }
+  std::size_t memory() const;
 
  private:
   std::map<PointId, PointId> kept_;            // by duplicate

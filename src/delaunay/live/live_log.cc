@@ -10,6 +10,7 @@
 #include "src/base/files/live_names.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/flat_codec.h"
+#include "src/result/version_log.h"
 
 namespace tessera {
 
@@ -50,10 +51,19 @@ std::optional<std::uint32_t> version_of_log(const fs::path& out, const std::stri
   return version;
 }
 
+// Whether the result has, or has had, this version.
+Result<bool> is_in(const fs::path& out, const Manifest& manifest, const MadeVersion& made) {
+  if (made.version == manifest.version) return manifest.digest && made.digest == *manifest.digest;
+  BOOST_OUTCOME_TRY(log, read_version_log(out, manifest.version));
+  return std::any_of(log.versions.begin(), log.versions.end(), [&](const VersionEntry& entry) {
+    return entry.version == made.version && entry.digest && made.digest == *entry.digest;
+  });
+}
+
 // Removes the log of an older version, unless it has changes that are not in the result. Returns the number of the live
 // version that the result is now.
-Result<std::uint64_t> remove_older(const fs::path& path, const Manifest& manifest) {
-  bool made = false;
+Result<std::uint64_t> remove_older(const fs::path& out, const fs::path& path, const Manifest& manifest) {
+  std::optional<MadeVersion> last;
   std::uint64_t first = 0, changes = 0;
   const auto visit = [&](std::uint32_t kind, std::span<const std::byte> payload) -> Status {
     changes += kind == batch ? 1 : 0;
@@ -62,14 +72,19 @@ Result<std::uint64_t> remove_older(const fs::path& path, const Manifest& manifes
     if (kind == identity && (!in.value(older) || !in.value(first)))
       return error(Errc::corrupt, path.string() + ": a record has a content of no change");
     MadeVersion version;
-    made = kind == version_made && in.value(version) && version.version == manifest.version && manifest.digest &&
-           version.digest == *manifest.digest;
+    last = kind == version_made && in.value(version) ? std::optional(version) : std::nullopt;
     return success();
   };
   { BOOST_OUTCOME_TRYV(RecordLog::open(path, visit)); }
+  bool made = false;
+  if (last) {
+    BOOST_OUTCOME_TRY(in, is_in(out, manifest, *last));
+    made = in;
+  }
   if (changes == 0 || made) {
     BOOST_OUTCOME_TRYV(remove_file(path));
-    return first + std::max(changes, std::uint64_t{1});  // without changes of the log, another program made the version
+    // Without changes of the log, and after the version of the log, another program has made the version.
+    return first + std::max(changes, std::uint64_t{1}) + (made ? manifest.version - last->version : 0);
   }
   return error(Errc::usage, path.string() +
                                 ": this log has changes of an older version of the result, which another program has "
@@ -87,7 +102,7 @@ Result<std::uint64_t> remove_older_logs(const fs::path& out, const Manifest& man
       return error(Errc::usage, path.string() +
                                     ": this log has changes of a newer version of the result; move the log "
                                     "away if the changes are not wanted");
-    BOOST_OUTCOME_TRY(reached, remove_older(path, manifest));
+    BOOST_OUTCOME_TRY(reached, remove_older(out, path, manifest));
     number = std::max(number, reached);
   }
   return number;

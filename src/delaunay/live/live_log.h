@@ -32,10 +32,13 @@ class LiveLog {
   static Result<LiveLog> open(const std::filesystem::path& out, const Manifest& manifest, const Begin& begin,
                               const Replay& replay);
 
-  // When this returns without an error, the change survives the end of the process and a power cut.
+  // When this returns without an error, the change survives the end of the process and a power cut. After an error:
+  // unless intact(), it is not known whether the log has the change.
   Status append(std::uint64_t first_new, const ResultChange& change);
   // Notes that the changes so far will be this version of the result. The result itself is changed afterwards.
   Status note_version(std::uint32_t version, const Digest& digest);
+  bool intact() const { return log_.intact(); }
+  std::uint64_t records() const { return log_.records(); }
   std::uint64_t bytes() const { return log_.bytes(); }
 
  private:

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/too_large.h"
+#include "src/delaunay/update/changed_tile.h"
 #include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera {
@@ -48,28 +51,23 @@ void LiveTile::sample() {
   std::size_t all = 1;
   for (int i = 0; i < dimension_; ++i) all *= side_;
   grid_.assign(all, none);
-  for (const auto& [at, r] : samples) {
-    std::size_t place = 0;
-    for (int i = 0; i < dimension_; ++i) {
-      const double width = bounds_.hi[i] - bounds_.lo[i];
-      const double share = width > 0 ? (at[i] - bounds_.lo[i]) / width : 0;
-      place = place * side_ + std::min(side_ - 1, static_cast<std::uint32_t>(share * side_));
-    }
-    grid_[place] = r;
-  }
+  for (const auto& [at, r] : samples) grid_[place_of(at)] = r;
   Row last = samples.front().second;
   for (Row& r : grid_) last = r == none ? r = last : r;
 }
 
-LiveTile::Row LiveTile::near(const Point& p) const {
+// Where differences overflow, the share may be no number. Any place will do then.
+std::size_t LiveTile::place_of(const Point& p) const {
   std::size_t place = 0;
   for (int i = 0; i < dimension_; ++i) {
-    const double width = bounds_.hi[i] - bounds_.lo[i];
-    const double share = width > 0 ? std::clamp((p[i] - bounds_.lo[i]) / width, 0.0, 1.0) : 0;
-    place = place * side_ + std::min(side_ - 1, static_cast<std::uint32_t>(share * side_));
+    const double width = bounds_.hi[i] - bounds_.lo[i], share = (p[i] - bounds_.lo[i]) / width;
+    const auto along = share > 0 ? static_cast<std::uint32_t>(std::min(share, 1.0) * side_) : 0u;
+    place = place * side_ + std::min(side_ - 1, along);
   }
-  return grid_[place];
+  return place;
 }
+
+LiveTile::Row LiveTile::near(const Point& p) const { return grid_[place_of(p)]; }
 
 // Behind facet i lies p when p in place of corner i turns the orientation of the cell round.
 std::optional<int> LiveTile::facet_before(const CellRecord& cell, const Point& p, std::uint32_t first) const {
@@ -101,6 +99,17 @@ LiveTile::Row LiveTile::find(const Point& p) const {
   }
 }
 
+// A cell that contains a vertex has it as a corner.
+std::optional<PointId> LiveTile::own_at(const Point& p) const {
+  const CellRecord cell = row(find(p));
+  for (int i = 0; i < corners(); ++i) {
+    const Vertex v = cell.vertices[i];
+    if (v != infinite_vertex && triangulation_->is_own(v) && triangulation_->kernel().point(v) == p)
+      return triangulation_->ids()[v];
+  }
+  return std::nullopt;
+}
+
 std::vector<LiveTile::Row> LiveTile::star(Vertex v) const {
   std::vector<Row> out{find(triangulation_->kernel().point(v))};
   for (std::size_t next = 0; next < out.size(); ++next) {
@@ -112,6 +121,25 @@ std::vector<LiveTile::Row> LiveTile::star(Vertex v) const {
     }
   }
   return out;
+}
+
+// No point is fresh, so the tile has nothing to say.
+Result<std::shared_ptr<const LiveTile>> build_live_tile(LiveTilePoints tile, const KnownFromStart& around) {
+  put_in_hilbert_order(tile.foreign, tile.dimension);
+  const std::vector<std::uint8_t> fresh(tile.points.size());
+  try {
+    auto made = std::make_unique<TileTriangulation>(
+        TileOptions{.self = tile.self, .dimension = tile.dimension, .around = &around});
+    const Status built = made->triangulate_changed({tile.points, tile.ids, fresh, tile.foreign});
+    if (!built) return error(Errc::corrupt, "two of its vertices are equal");
+    if (made->kernel_dimension() < tile.dimension) return error(Errc::corrupt, "its vertices do not span space");
+    made->settle();
+    return std::make_shared<const LiveTile>(std::move(made));
+  } catch (const Unsound&) {
+    return error(Errc::corrupt, "two of its vertices are equal");
+  } catch (const TileTooLarge& e) {
+    return error(Errc::memory, std::string("the tile ") + e.what());
+  }
 }
 
 }  // namespace tessera

@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstring>
+#include <memory>
+#include <span>
 #include <utility>
 
 #include "src/base/on_threads.h"
@@ -12,38 +14,24 @@ namespace tessera {
 
 namespace fs = std::filesystem;
 
-Result<const LiveWriter::Rows*> LiveWriter::stored_rows(TileId tile) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto found = stored_.find(tile); found != stored_.end()) return &found->second;
-  }
-  Rows rows;
-  const std::size_t width = row_bytes(source_.manifest().schema);
-  if (const auto index = source_.find(tile)) {
-    BOOST_OUTCOME_TRY(stored, source_.read(*index, {.cells = false, .rows = true}));
-    for (std::size_t v = 0; v < stored.mesh.ids.size(); ++v) {
-      const auto row = std::span(stored.rows).subspan(v * width, width);
-      rows[stored.mesh.ids[v]].assign(row.begin(), row.end());
-    }
-  }
-  const std::lock_guard lock(mutex_);
-  return &stored_.emplace(tile, std::move(rows)).first->second;
-}
-
-// A vertex that the stored tile does not have is new, or its owner's file has it.
-Result<std::vector<std::byte>> LiveWriter::rows_of(TileId tile, const TileMesh& mesh) {
+// A vertex that is stored is in the file of its owner, and mostly in that of the tile. A part of a split tile has the
+// file of the whole tile.
+Result<std::vector<std::byte>> LiveWriter::rows_of(const TileMesh& mesh, TileId home) {
   const std::size_t width = row_bytes(source_.manifest().schema);
   std::vector<std::byte> out(mesh.ids.size() * width);
+  std::shared_ptr<const RowsOfTile> of_tile;  // that was read last
   for (std::size_t v = 0; width > 0 && v < mesh.ids.size(); ++v) {
-    const std::vector<std::byte>* row = nullptr;
-    if (const auto added = rows_.find(mesh.ids[v]); added != rows_.end()) row = &added->second;
-    for (const TileId of : {tile, mesh.owners[v]}) {
-      if (row) break;
-      BOOST_OUTCOME_TRY(stored, stored_rows(of));
-      if (const auto found = stored->find(mesh.ids[v]); found != stored->end()) row = &found->second;
+    std::span<const std::byte> row;
+    if (const auto added = rows_.unstored().find(mesh.ids[v]); added != rows_.unstored().end()) row = added->second;
+    for (const TileId tile : {home, stored_.tile_of(mesh.points[v])}) {
+      if (!row.empty()) break;
+      BOOST_OUTCOME_TRY(stored, stored_rows_.of(tile));
+      of_tile = std::move(stored);
+      row = of_tile->find(mesh.ids[v]);
     }
-    if (!row) return error(Errc::internal, "the attributes of point " + to_string(mesh.ids[v]) + " are not known");
-    std::memcpy(&out[v * width], row->data(), width);
+    if (row.empty())
+      return error(Errc::internal, "the attributes of point " + to_string(mesh.ids[v]) + " are not known");
+    std::memcpy(&out[v * width], row.data(), width);
   }
   return out;
 }
@@ -55,9 +43,10 @@ Result<TileEntry> LiveWriter::write_one(TileId tile, const fs::path& folder) {
   std::vector<LocalPoint> order;
   for (std::size_t i = 0; i < ordered.ids.size(); ++i) order.push_back({ordered.points[i], ordered.ids[i]});
   const TileMesh mesh = live.mesh(order);
-  BOOST_OUTCOME_TRY(rows, rows_of(tile, mesh));
+  const TileId home = stored_.tile_of(order.front().at);
+  BOOST_OUTCOME_TRY(rows, rows_of(mesh, home));
   const StoreOptions options{.neighbors = manifest.neighbors, .schema = manifest.schema};
-  if (kind_in(source_, tile) == TileKind::points) return write_as_points(folder, tile, mesh, rows, options);
+  if (kind_in(source_, home) == TileKind::points) return write_as_points(folder, tile, mesh, rows, options);
   return write_tile(folder, tile, mesh, rows, options);
 }
 

@@ -14,6 +14,7 @@
 #include "src/base/json/json_text.h"
 #include "src/base/mix_hash.h"
 #include "src/base/stopped.h"
+#include "src/delaunay/update/parts_of_tile.h"
 #include "src/delaunay/update/points_of_mesh.h"
 #include "src/tiling/refine.h"
 #include "src/tiling/routed_cloud.h"
@@ -56,14 +57,14 @@ Bounds own_bounds(const TileMesh& mesh) {
 
 }  // namespace
 
-std::uint64_t limit_of_tiles(const Manifest& manifest, std::uint64_t asked) {
+std::uint64_t limit_of_tiles(const Manifest& manifest, std::uint64_t asked, std::uint64_t least) {
   if (asked != 0) return asked;
   const auto partition = parse_json(manifest.partition);
   const auto known = partition.find("split_above");
   if (known != partition.end() && known->is_number_unsigned() && *known != 0) return known->get<std::uint64_t>();
   std::uint64_t largest = 0;
   for (const TileEntry& entry : manifest.tiles) largest = std::max(largest, entry.own_points);
-  return std::max(2 * largest, grown_tile_least);
+  return std::max(2 * largest, least);
 }
 
 std::string remember_limit(const std::string& partition, std::uint64_t limit) {
@@ -117,32 +118,6 @@ void GrownTiles::find_owners(TileMesh& mesh) const {
   }
 }
 
-// REQUIRES: the owners are those of the new partition.
-std::map<TileId, GrownTiles::Part> GrownTiles::parts_of(const TileMesh& mesh) {
-  std::map<TileId, Part> parts;
-  for (std::size_t v = 0; v < mesh.owners.size(); ++v) {
-    if (mesh.point_ghost[v] == 0) parts[mesh.owners[v]].own.push_back(static_cast<std::int32_t>(v));
-  }
-  const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
-  for (std::size_t at = 0; at < mesh.cells.size(); at += corners) {
-    const std::span cell(&mesh.cells[at], corners);
-    const TileId first = mesh.owners[cell[0]];
-    if (std::all_of(cell.begin(), cell.end(), [&](std::int32_t v) { return mesh.owners[v] == first; })) continue;
-    for (const std::int32_t own : cell) {
-      if (mesh.point_ghost[own] != 0) continue;
-      const TileId tile = mesh.owners[own];
-      auto& foreign = parts[tile].foreign;
-      std::copy_if(cell.begin(), cell.end(), std::back_inserter(foreign),
-                   [&](std::int32_t v) { return mesh.owners[v] != tile; });
-    }
-  }
-  for (auto& [tile, part] : parts) {
-    std::sort(part.foreign.begin(), part.foreign.end());
-    part.foreign.erase(std::unique(part.foreign.begin(), part.foreign.end()), part.foreign.end());
-  }
-  return parts;
-}
-
 Result<TileEntry> GrownTiles::write_file(TileId tile, TileKind kind, const TileMesh& mesh,
                                          std::span<const std::byte> rows) const {
   const Manifest& manifest = source_.manifest();
@@ -151,7 +126,7 @@ Result<TileEntry> GrownTiles::write_file(TileId tile, TileKind kind, const TileM
   return write_tile(made_.folder, tile, mesh, rows, options);
 }
 
-Status GrownTiles::write_part(TileId tile, TileKind kind, const StoredTile& whole, const Part& part) {
+Status GrownTiles::write_part(TileId tile, TileKind kind, const StoredTile& whole, const PartOfTile& part) {
   throw_if_stopped(stop_);
   const TileMesh& mesh = whole.mesh;
   std::vector<LocalPoint> own;

@@ -18,6 +18,7 @@
 
 #include "src/base/result.h"
 #include "src/delaunay/update/changed_tile.h"
+#include "src/delaunay/update/parts_of_tile.h"
 #include "src/result/tile_source.h"
 #include "src/tiling/partition.h"
 
@@ -25,9 +26,9 @@ namespace tessera {
 
 // A tile is too large when it has more own points than this: what `asked` says, or else an earlier change of the result
 // (remember_limit()). At first it is twice the size of the largest tile, so that a tile is split that has doubled, and
-// at least `grown_tile_least`, so that a small result does not grow into a result of very many tiles.
+// at least `least`, so that a small result does not grow into a result of very many tiles.
 inline constexpr std::uint64_t grown_tile_least = 100'000;
-std::uint64_t limit_of_tiles(const Manifest& manifest, std::uint64_t asked);
+std::uint64_t limit_of_tiles(const Manifest& manifest, std::uint64_t asked, std::uint64_t least = grown_tile_least);
 // Returns the partition with the limit.
 std::string remember_limit(const std::string& partition, std::uint64_t limit);
 
@@ -51,14 +52,9 @@ class GrownTiles {
                              const std::filesystem::path& folder);
 
  private:
-  // The vertices of a tile that make a part of it, as indices.
-  struct Part {
-    std::vector<std::int32_t> own, foreign;
-  };
-  static std::map<TileId, Part> parts_of(const TileMesh& mesh);
   Result<StoredTile> read(TileId tile, bool cells) const;
   Result<TileEntry> write_file(TileId tile, TileKind kind, const TileMesh& mesh, std::span<const std::byte> rows) const;
-  Status write_part(TileId tile, TileKind kind, const StoredTile& whole, const Part& part);
+  Status write_part(TileId tile, TileKind kind, const StoredTile& whole, const PartOfTile& part);
   Status write_parts(TileId tile);
   Status write_beside(TileId tile);
   TileKind kind_of(TileId tile) const;

@@ -11,10 +11,10 @@
 #include "src/base/files/update_names.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/json/json_text.h"
-#include "src/delaunay/run/touching.h"
 #include "src/delaunay/update/anew.h"
 #include "src/delaunay/update/changed_program.h"
 #include "src/delaunay/update/holes_program.h"
+#include "src/delaunay/update/known_in_change.h"
 #include "src/delaunay/update/update_folder.h"
 #include "src/tiling/budget/budget.h"
 #include "src/tiling/partition.h"
@@ -37,20 +37,12 @@ class ProgramsOf final : public TilePrograms {
   std::shared_ptr<const UpdateSetting> setting_;
 };
 
-// Told bits save messages between tiles that touch. Partitions cover space, so new points lie inside the boxes.
-std::shared_ptr<const KnownFromStart> known_from_start(const TileSource& source, const UpdatePlan& plan,
-                                                       const Partition& partition) {
-  std::vector<Bounds> bounds(partition.tiles());
-  const auto add = [&](TileId tile) {
-    bounds.at(tile.value).add(partition.boxes().at(tile.value).lo);
-    bounds.at(tile.value).add(partition.boxes().at(tile.value).hi);
-  };
-  for (const TileEntry& entry : source.manifest().tiles) add(entry.tile);
-  for (const auto& [tile, points] : plan.added) add(tile);
-  const auto neighbours = touching_tiles(partition, bounds);
-  auto around = std::make_shared<KnownFromStart>(std::move(bounds), neighbours, std::vector<Seed>{});
-  around->leave_out_fresh_bit();
-  return around;
+std::shared_ptr<const KnownFromStart> around_of(const TileSource& source, const UpdatePlan& plan,
+                                                const Partition& partition) {
+  std::vector<TileId> tiles;
+  for (const TileEntry& entry : source.manifest().tiles) tiles.push_back(entry.tile);
+  for (const auto& [tile, points] : plan.added) tiles.push_back(tile);
+  return std::make_shared<const KnownFromStart>(known_in_change(partition, tiles));
 }
 
 Result<std::shared_ptr<const UpdatePlan>> read_change(const ResultInput& input, const UpdateJob& job,
@@ -123,7 +115,7 @@ Result<std::vector<std::shared_ptr<const TilePrograms>>> UpdateStages::programs(
     programs.push_back(anew);
     return programs;
   }
-  setting.around = known_from_start(input.source, *plan, partition);
+  setting.around = around_of(input.source, *plan, partition);
   const auto shared = std::make_shared<const UpdateSetting>(std::move(setting));
   if (holes_) programs.push_back(std::make_shared<ProgramsOf<HolesProgram>>(shared));
   programs.push_back(std::make_shared<ProgramsOf<ChangedProgram>>(shared));

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "src/service/http/handlers.h"
@@ -19,8 +20,10 @@ Handler changes_points(Reply<proto::PointsChanged> (LiveBackend::*change)(std::s
     if (type != json && type != npy_file && type != protobuf_type)
       return problem(415, std::string("Content-Type: must be one of ") + json + ", " + npy_file + ", " + protobuf_type,
                      2);
+    const std::string_view replace = call.request.target.parameter("replace").value_or("false");
+    if (replace != "true" && replace != "false") return problem(400, "replace: must be true or false", 2);
     const Reply<proto::PointsChanged> changed = (call.context.backend->live.*change)(
-        call.arguments[0], PointsBody{type, call.request.body}, call.request.caller);
+        call.arguments[0], PointsBody{type, call.request.body, replace == "true"}, call.request.caller);
     return changed ? message_answer(call.request, 200, changed.value()) : problem(changed.error());
   };
 }
@@ -62,6 +65,7 @@ void add_live_routes(std::vector<Route>& routes, Shared& shared) {
             {changed},
             changes_points(&LiveBackend::add)};
   add.body = "NewPoints";
+  add.query = {{"replace", "boolean", "Remove the points of the result that are equal to new ones"}};
   Route remove{"DELETE",
                path + "points",
                Role::submit,

@@ -10,6 +10,7 @@ namespace tessera::service {
 namespace {
 
 constexpr std::size_t batch_points_max = 1 << 17, batch_requests_max = 256;
+constexpr std::size_t boxes_max = 1000;  // of an event
 constexpr std::size_t numbers_kept = 16;
 
 proto::Box box_of(const Bounds& bounds, int dimension) {
@@ -27,6 +28,7 @@ Error no_memory_for_points() { return error(Errc::memory, "no memory is left to 
 
 struct KeptLive::Waiting {
   const ResultChange& change;
+  EqualToNew equal;
   std::stop_token stop;
   std::optional<Result<proto::PointsChanged>> done = {};
   std::size_t points() const { return change.add.size() + change.remove.size(); }
@@ -49,8 +51,9 @@ Result<std::unique_ptr<KeptLive>> KeptLive::open(const std::filesystem::path& fo
 }
 
 // The first caller who finds nobody at work applies the changes of all who wait, its own or those before it.
-Result<proto::PointsChanged> KeptLive::change(const ResultChange& change, const std::stop_token& stop) {
-  Waiting mine{change, stop};
+Result<proto::PointsChanged> KeptLive::change(const ResultChange& change, EqualToNew equal,
+                                              const std::stop_token& stop) {
+  Waiting mine{change, equal, stop};
   std::unique_lock lock(mutex_);
   waiting_.push_back(&mine);
   while (!mine.done) {
@@ -71,7 +74,8 @@ Result<proto::PointsChanged> KeptLive::change(const ResultChange& change, const 
   return *std::move(mine.done);
 }
 
-// A point that two callers remove is there for the first of them alone, so the second one's change waits. REQUIRES:
+// A point that two callers remove is there for the first of them alone, so the second one's change waits. New points
+// that replace others also replace those of the changes before, so their change is a batch of its own. REQUIRES:
 // `mutex_` is held.
 std::vector<KeptLive::Waiting*> KeptLive::take() {
   std::vector<Waiting*> batch;
@@ -80,13 +84,15 @@ std::vector<KeptLive::Waiting*> KeptLive::take() {
   while (!waiting_.empty() && batch.size() < batch_requests_max) {
     Waiting* next = waiting_.front();
     const auto& remove = next->change.remove;
-    if (!batch.empty() && (points + next->points() > batch_points_max ||
+    const bool alone = next->equal == EqualToNew::go;
+    if (!batch.empty() && (alone || points + next->points() > batch_points_max ||
                            std::any_of(remove.begin(), remove.end(), [&](PointId id) { return removed.contains(id); })))
       break;
     points += next->points();
     removed.insert(remove.begin(), remove.end());
     batch.push_back(next);
     waiting_.pop_front();
+    if (alone) break;
   }
   return batch;
 }
@@ -102,7 +108,7 @@ void KeptLive::run(const std::vector<Waiting*>& batch) {
     }
     if (still.size() > 1 && try_together(still)) return;
     for (Waiting* one : still) {
-      const auto applied = apply(one->change);
+      const auto applied = apply(one->change, one->equal);
       if (!applied) {
         one->done = applied.error();
         continue;
@@ -111,7 +117,7 @@ void KeptLive::run(const std::vector<Waiting*>& batch) {
       told.set_version(applied.value().version);
       told.set_first_id(applied.value().first_new);
       told.set_added(one->change.add.size());
-      told.set_equal(applied.value().duplicates.size());
+      told.set_equal(applied.value().equal.size());
       told.set_removed(applied.value().removed);
       one->done = std::move(told);
     }
@@ -124,7 +130,8 @@ void KeptLive::run(const std::vector<Waiting*>& batch) {
   }
 }
 
-// Returns false when the batch was refused, so that nothing has changed.
+// Returns false when nothing has changed, so that the changes can be applied one by one. When it is not known whether
+// the log has the batch, they must not be: they would happen twice.
 bool KeptLive::try_together(const std::vector<Waiting*>& batch) {
   ResultChange all;
   for (const Waiting* one : batch) {
@@ -132,15 +139,18 @@ bool KeptLive::try_together(const std::vector<Waiting*>& batch) {
     all.rows.insert(all.rows.end(), one->change.rows.begin(), one->change.rows.end());
     all.remove.insert(all.remove.end(), one->change.remove.begin(), one->change.remove.end());
   }
-  const auto applied = apply(all);
-  if (!applied) return false;
+  const auto applied = apply(all, EqualToNew::stay);
+  if (!applied) {
+    if (!state().broken) return false;
+    for (Waiting* one : batch) one->done = applied.error();
+    return true;
+  }
   std::uint64_t first = applied.value().first_new;
   for (Waiting* one : batch) {
     const std::uint64_t end = first + one->change.add.size();
-    const auto& pairs = applied.value().duplicates;
-    const auto equal = std::count_if(pairs.begin(), pairs.end(), [&](const DuplicatePair& pair) {
-      return pair.duplicate.value >= first && pair.duplicate.value < end;
-    });
+    const auto& ids = applied.value().equal;
+    const auto equal = std::lower_bound(ids.begin(), ids.end(), PointId{end}) -
+                       std::lower_bound(ids.begin(), ids.end(), PointId{first});
     proto::PointsChanged told;
     told.set_version(applied.value().version);
     told.set_first_id(first);
@@ -153,13 +163,19 @@ bool KeptLive::try_together(const std::vector<Waiting*>& batch) {
   return true;
 }
 
-Result<LiveApplied> KeptLive::apply(const ResultChange& change) {
+Result<LiveApplied> KeptLive::apply(const ResultChange& change, EqualToNew equal) {
   BOOST_OUTCOME_TRYV(mend());
   const std::shared_lock lock(live_mutex_);
-  BOOST_OUTCOME_TRY(applied, live_->apply(change));
-  current_ = live_->current();
+  BOOST_OUTCOME_TRY(applied, live_->apply(change, equal));
+  publish();
   tell(applied, change.add.size());
   return applied;
+}
+
+// A batch and a store may end at once. The later one to come here publishes what is newest then.
+void KeptLive::publish() {
+  const std::lock_guard lock(publishing_);
+  current_ = live_->current();
 }
 
 void KeptLive::tell(const LiveApplied& applied, std::uint64_t added) {
@@ -167,7 +183,12 @@ void KeptLive::tell(const LiveApplied& applied, std::uint64_t added) {
   made.set_version(applied.version);
   made.set_added(added);
   made.set_removed(applied.removed);
-  for (const Bounds& box : applied.changed) *made.add_changed() = box_of(box, manifest_.dimension);
+  std::vector<Bounds> boxes = applied.changed;
+  if (boxes.size() > boxes_max) {  // one box instead
+    for (const Bounds& box : applied.changed) boxes.front().add(box);
+    boxes.resize(1);
+  }
+  for (const Bounds& box : boxes) *made.add_changed() = box_of(box, manifest_.dimension);
   events_->tell(std::move(made));
 }
 
@@ -227,6 +248,7 @@ Status KeptLive::store() {
   if (!live_) return why_not_;
   const std::uint64_t before = live_->state().stored;
   const Status stored = live_->checkpoint();
+  publish();
   const LiveState now = live_->state();
   if (now.stored != before) events_->tell_stored(now.stored);
   const std::lock_guard bookkeeping(mutex_);

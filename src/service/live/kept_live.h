@@ -41,7 +41,7 @@ class KeptLive {
 
   // Applies the change, with those of other callers. Errors: those of LiveResult::apply(); interrupted when `stop` was
   // requested before the change was begun.
-  Result<proto::PointsChanged> change(const ResultChange& change, const std::stop_token& stop);
+  Result<proto::PointsChanged> change(const ResultChange& change, EqualToNew equal, const std::stop_token& stop);
   std::shared_ptr<const LiveVersion> current() const { return current_.load(); }
   LiveState state() const;
   // The number of the live version that a version of the stored result is; nothing when that is long ago.
@@ -61,8 +61,9 @@ class KeptLive {
   std::vector<Waiting*> take();
   void run(const std::vector<Waiting*>& batch);
   bool try_together(const std::vector<Waiting*>& batch);
-  Result<LiveApplied> apply(const ResultChange& change);
+  Result<LiveApplied> apply(const ResultChange& change, EqualToNew equal);
   Status mend();
+  void publish();
   void tell(const LiveApplied& applied, std::uint64_t added);
 
   const std::filesystem::path folder_;
@@ -70,6 +71,7 @@ class KeptLive {
   const Manifest manifest_;
   const std::shared_ptr<VersionEvents> events_;
   std::atomic<std::shared_ptr<const LiveVersion>> current_;
+  std::mutex publishing_;
 
   mutable std::shared_mutex live_mutex_;  // held alone while the result is opened again
   std::unique_ptr<LiveResult> live_;      // null when that has failed

@@ -20,6 +20,7 @@ namespace tessera::service {
 struct PointsBody {
   std::string_view type;  // the media type: application/json, application/x-protobuf, application/x-npy
   const std::string& bytes;
+  bool replace = false;  // the points of the result that are equal to new ones are removed
 };
 
 // Thread-safe. 404 for a result that does not exist; 409 for a result that is not live; 403 for a caller who may not

@@ -122,10 +122,11 @@ Reply<KeptLive*> LiveResults::find_to_change(std::string_view name, const Caller
 }
 
 Reply<proto::PointsChanged> LiveResults::apply(KeptLive& live, std::string_view name,
-                                               const Result<ResultChange>& change, const Caller& caller) {
+                                               const Result<ResultChange>& change, EqualToNew equal,
+                                               const Caller& caller) {
   const auto applied = [&]() -> Result<proto::PointsChanged> {
     BOOST_OUTCOME_TRYV(change);
-    return live.change(change.value(), caller.stop);
+    return live.change(change.value(), equal, caller.stop);
   }();
   if (applied) return applied.value();
   return problem_of(with_name(applied.error(), folders_.folder(name).string(), name));
@@ -133,7 +134,8 @@ Reply<proto::PointsChanged> LiveResults::apply(KeptLive& live, std::string_view 
 
 Reply<proto::PointsChanged> LiveResults::add(std::string_view name, const PointsBody& points, const Caller& caller) {
   BOOST_OUTCOME_TRY(live, find_to_change(name, caller));
-  return apply(*live, name, read_points_body(points, live->manifest()), caller);
+  const EqualToNew equal = points.replace ? EqualToNew::go : EqualToNew::stay;
+  return apply(*live, name, read_points_body(points, live->manifest()), equal, caller);
 }
 
 Reply<proto::PointsChanged> LiveResults::remove(std::string_view name, const PointsBody& ids, const Caller& caller) {
@@ -142,7 +144,7 @@ Reply<proto::PointsChanged> LiveResults::remove(std::string_view name, const Poi
     BOOST_OUTCOME_TRY(read, read_ids_body(ids));
     return ResultChange{.remove = std::move(read)};
   }();
-  return apply(*live, name, change, caller);
+  return apply(*live, name, change, EqualToNew::stay, caller);
 }
 
 Reply<std::unique_ptr<Subscription>> LiveResults::follow(std::string_view name, std::optional<std::uint64_t> last,

@@ -53,7 +53,7 @@ class LiveResults final : public LiveBackend {
   Reply<KeptLive*> find_or_refuse(std::string_view name) const;
   Reply<KeptLive*> find_to_change(std::string_view name, const Caller& caller) const;
   Reply<proto::PointsChanged> apply(KeptLive& live, std::string_view name, const Result<ResultChange>& change,
-                                    const Caller& caller);
+                                    EqualToNew equal, const Caller& caller);
   void store_what_grows(const std::stop_token& stop);
   void store(const std::string& name, KeptLive& live);
   void warn(const std::string& line) const {

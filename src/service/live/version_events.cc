@@ -13,6 +13,8 @@ std::shared_ptr<const proto::Event> event_of(proto::VersionMade made) {
   return event;
 }
 
+std::size_t boxes_in(const proto::Event& event) { return static_cast<std::size_t>(event.made().changed_size()); }
+
 }  // namespace
 
 class VersionEvents::Listener final : public Subscription {
@@ -29,9 +31,14 @@ class VersionEvents::Listener final : public Subscription {
 void VersionEvents::tell(proto::VersionMade made) {
   const std::lock_guard lock(mutex_);
   newest_ = made.version();
-  if (made.everything()) kept_.clear();
+  if (made.everything()) {
+    kept_.clear();
+    kept_boxes_ = 0;
+  }
   kept_.push_back(event_of(std::move(made)));
-  if (kept_.size() > kept_max) kept_.pop_front();
+  kept_boxes_ += boxes_in(*kept_.back());
+  for (; kept_.size() > 1 && (kept_.size() > kept_max || kept_boxes_ > kept_boxes_max); kept_.pop_front())
+    kept_boxes_ -= boxes_in(*kept_.front());
   for (const Listener* listener : listeners_) listener->on_event(kept_.back());
 }
 

@@ -18,7 +18,9 @@ namespace tessera::service {
 // Thread-safe. Subscriptions may outlive this object.
 class VersionEvents : public std::enable_shared_from_this<VersionEvents> {
  public:
-  static constexpr std::size_t kept_max = 1000;
+  // Who comes back gets all versions that were missed at once, which must not be more than a queue takes
+  // (EventQueue::Limits).
+  static constexpr std::size_t kept_max = 1000, kept_boxes_max = 3000;
 
   // `newest`: the number of the version that is there already.
   explicit VersionEvents(std::uint64_t newest) : newest_(newest) {}
@@ -37,6 +39,7 @@ class VersionEvents : public std::enable_shared_from_this<VersionEvents> {
   std::mutex mutex_;  // held while listeners are called, so that none is called after it has left
   std::uint64_t newest_;
   std::deque<Event> kept_;
+  std::size_t kept_boxes_ = 0;
   std::vector<Listener*> listeners_;
 };
 

@@ -273,6 +273,13 @@ std::unique_ptr<TileTriangulation> TileTriangulation::clone() const {
   return copy;
 }
 
+void TileTriangulation::change_owners(const std::function<TileId(TileId owner, const Point& at)>& owner_of) {
+  check(is_settled(), "a live tile is settled before it gets other neighbours");
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (!is_local(v) && kernel_->alive(v)) owners_[v] = owner_of(owners_[v], kernel_->point(v));
+  }
+}
+
 std::vector<LocalPoint> TileTriangulation::own() const {
   std::vector<LocalPoint> out;
   out.reserve(local_.size());

@@ -195,6 +195,9 @@ class TileTriangulation {
   Bounds changed() const;
   // Returns a copy. REQUIRES: settle().
   std::unique_ptr<TileTriangulation> clone() const;
+  // Gives foreign vertices other owners, because a tile was split. `owner_of` gets the owner so far. REQUIRES:
+  // settle(); this tile was not split.
+  void change_owners(const std::function<TileId(TileId owner, const Point& at)>& owner_of);
   // The vertex of a point, or 0. REQUIRES: a live tile.
   Vertex vertex_of(PointId id) const;
   bool is_own(Vertex v) const { return is_local(v); }
