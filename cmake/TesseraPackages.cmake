@@ -30,7 +30,8 @@ get_target_property(soversion tessera_shared SOVERSION)
 set(library libtessera${soversion})
 set(same "(= ${PROJECT_VERSION})")
 
-set(loaded libgdal32)  # when it is needed (src/base/crs): dpkg-shlibdeps does not see it
+# When they are needed (src/base/crs, src/input/remote): dpkg-shlibdeps does not see them.
+set(loaded "libgdal32, libcurl4")
 
 set(about "Tessera cuts a point cloud into tiles, triangulates them in parallel
 within a bound on memory, and gives exactly the Delaunay triangulation

@@ -6,7 +6,7 @@ say() { echo "check-packages: $*"; }
 contains() { grep -q -- "$1" || { say "expected: $1"; exit 1; }; }
 
 apt-get update -qq
-apt-get install -y -qq --no-install-recommends /packages/*.deb libgdal32 man-db bash-completion g++ pkg-config >/dev/null
+apt-get install -y -qq --no-install-recommends /packages/*.deb libgdal32 libcurl4 man-db bash-completion g++ pkg-config >/dev/null
 say "installed: $(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' '*tessera*' | awk '$1 == "ii" { print $2 }' | xargs)"
 
 tessera --version

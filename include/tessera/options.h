@@ -100,6 +100,14 @@ class TESSERA_PUBLIC TriangulationOptions {
   // A text file that names more inputs, one a line. Relative names are relative to the folder of this file.
   TriangulationOptions& input_list(const std::filesystem::path& file);
 
+  // For inputs s3://bucket/...: the server, "https://host[:port]", in place of Amazon's; the profile in ~/.aws;
+  // requests that are not signed, for open data; and the consent to pay for the transfer. By default as the environment
+  // says.
+  TriangulationOptions& endpoint(const std::string& url);
+  TriangulationOptions& profile(const std::string& name);
+  TriangulationOptions& anonymous(bool anonymous);
+  TriangulationOptions& requester_pays(bool pays);
+
   // `progress` is called some ten times a second, and once at the end, in the thread that called triangulate(). If
   // `progress` throws, the job ends and triangulate() throws the same exception. An unfinished job leaves nothing in
   // the folder, except with resume().

@@ -46,7 +46,11 @@ void bind_options(py::module_& module) {
       .def("resolution", setter(&Options::resolution))
       .def("attributes", setter(&Options::attributes))
       .def("recursive", setter(&Options::recursive))
-      .def("input_list", setter(&Options::input_list));
+      .def("input_list", setter(&Options::input_list))
+      .def("endpoint", setter(&Options::endpoint))
+      .def("profile", setter(&Options::profile))
+      .def("anonymous", setter(&Options::anonymous))
+      .def("requester_pays", setter(&Options::requester_pays));
   py::class_<ExportRequest>(module, "ExportRequest")
       .def(py::init<>())
       .def("format", setter(&ExportRequest::format))

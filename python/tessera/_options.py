@@ -25,7 +25,8 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 columns: typing.Iterable[str] = (), keep: str = "first", store: str = "auto",
                 crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False,
-                scans: typing.Iterable[int] = ()) -> _tessera.Options:
+                scans: typing.Iterable[int] = (), endpoint: str | None = None, profile: str | None = None,
+                anonymous: bool = False, requester_pays: bool = False) -> _tessera.Options:
     """Returns the options of triangulate(). `dim` None: the dimension of the files."""
     options = _tessera.Options()
     if dim not in (None, 2, 3):
@@ -63,6 +64,10 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
         options.crs(os.fsencode(crs))
     if input_list is not None:
         options.input_list(os.fspath(input_list))
+    options.endpoint(endpoint or "")
+    options.profile(profile or "")
+    options.anonymous(anonymous)
+    options.requester_pays(requester_pays)
     options.attributes([attributes] if isinstance(attributes, str) else list(attributes))
     return options
 

@@ -25,7 +25,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 classes: typing.Iterable[int] = (), returns: str = "all", without: typing.Iterable[str] = (),
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
-                keep: str = "first", store: str = "auto", scans: typing.Iterable[int] = ()) -> Triangulation:
+                keep: str = "first", store: str = "auto", scans: typing.Iterable[int] = (), endpoint: str | None = None,
+                profile: str | None = None, anonymous: bool = False, requester_pays: bool = False) -> Triangulation:
     """Computes the exact Delaunay triangulation of any number of points: in tiles, on threads, within a memory limit.
 
     Parameters
@@ -34,7 +35,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         Points: an array or a DataFrame, n x 2 or n x 3, of any numeric type and strides. A C-contiguous float64 array
         is used in place, and must not change during the call; others are converted. Numbers that float64 would round
         (int64 beyond 2^53, longdouble) are refused, because the result is exact for the points that you give.
-        Or files: a path, a folder, a pattern ("block/*.laz"), or a list of these, which together make one cloud.
+        Or files: a path, a folder, a pattern ("block/*.laz"), an address ("https://host/block.copc.laz",
+        "s3://bucket/block/"), or a list of these, which together make one cloud.
     dim
         2 or 3. None: the number of columns; for files 3, or 2 if they have x and y alone. With dim=2 arrays and files
         with z are triangulated by x and y; see `heights`.
@@ -98,6 +100,10 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         Takes the files in subfolders of folders, too.
     input_list
         A text file that names more files, one a line. Relative names are relative to the folder of this file.
+    endpoint, profile
+        For s3://: the address of another server than Amazon's, and the profile in ~/.aws. None: as the environment says.
+    anonymous, requester_pays
+        For s3://: does not sign requests, for open data; and agrees to pay for the transfer.
 
     Returns
     -------
@@ -127,7 +133,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
                           heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store,
-                          scans=scans)
+                          scans=scans, endpoint=endpoint, profile=profile, anonymous=anonymous,
+                          requester_pays=requester_pays)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
     report = None if progress is None else lambda *figures: progress(Progress(*figures))

@@ -1,14 +1,19 @@
 // The library has the options of the command, and refuses what makes no sense.
 #include "tessera/options.h"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "src/base/files/descriptor.h"
 #include "tests/api/api_testing.h"
 #include "tests/api/temporary_home.h"
 
@@ -195,6 +200,70 @@ TEST_F(OptionsOfTheCommand, DescribeSaysWhatInfoSays) {
   EXPECT_EQ(failure_of([&] { describe({out, file}); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([] { describe({}); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([] { describe({"/nowhere.las"}); }).cause(), Cause::io);
+}
+
+// A server that gives one object to who asks for its first bytes.
+class OneObject {
+ public:
+  explicit OneObject(const std::string& body) {
+    const std::string last = std::to_string(body.size() - 1), size = std::to_string(body.size());
+    answer_ = "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 0-" + last + "/" + size +
+              "\r\nContent-Length: " + size + "\r\nConnection: close\r\n\r\n" + body;
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t bytes = sizeof address;
+    EXPECT_EQ(::bind(socket_.get(), reinterpret_cast<sockaddr*>(&address), bytes), 0);
+    EXPECT_EQ(::listen(socket_.get(), 64), 0);
+    EXPECT_EQ(::getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&address), &bytes), 0);
+    address_ = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+    thread_ = std::jthread([this] { serve(); });
+  }
+  OneObject(const OneObject&) = delete;
+  OneObject& operator=(const OneObject&) = delete;
+  ~OneObject() { ::shutdown(socket_.get(), SHUT_RDWR); }
+
+  const std::string& address() const { return address_; }
+
+ private:
+  void serve() {
+    while (true) {
+      const FileHandle peer(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+      if (peer.get() < 0) return;
+      std::string request;
+      char buffer[4096];
+      while (request.find("\r\n\r\n") == std::string::npos) {
+        const auto got = ::recv(peer.get(), buffer, sizeof buffer, 0);
+        if (got <= 0) break;
+        request.append(buffer, static_cast<std::size_t>(got));
+      }
+      EXPECT_EQ(::send(peer.get(), answer_.data(), answer_.size(), MSG_NOSIGNAL), static_cast<ssize_t>(answer_.size()));
+    }
+  }
+
+  std::string answer_, address_;
+  FileHandle socket_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  std::jthread thread_;
+};
+
+TEST_F(OptionsOfTheCommand, InputsMayBeAddresses) {
+  const OneObject server("0 0 0\n1 0 0\n0 1 0\n0 0 1\n");
+  EXPECT_EQ(triangulate({server.address() + "/a.xyz"}, two_threads()).cells(), 1u);
+  const auto here = two_threads().endpoint(server.address()).anonymous(true).requester_pays(true);
+  EXPECT_EQ(triangulate({"s3://bucket/a.xyz"}, here).cells(), 1u);
+  const std::string box = describe({"s3://bucket/a.xyz"}, here);
+  EXPECT_NE(box.find("s3://bucket/a.xyz"), std::string::npos) << box;
+}
+
+TEST_F(OptionsOfTheCommand, OptionsOfStoresAreNamedAsHere) {
+  const auto said = [](const TriangulationOptions& options) {
+    const auto failure = failure_of([&] { triangulate({"s3://bucket/a.xyz"}, options); });
+    EXPECT_EQ(failure.cause(), Cause::usage);
+    return std::string(failure.what());
+  };
+  EXPECT_EQ(said(TriangulationOptions().profile("nobody of this name")).find("profile: neither "), 0u);
+  EXPECT_NE(said(TriangulationOptions().endpoint("ftp://host").anonymous(true)).find("not by ftp://"),
+            std::string::npos);
 }
 
 }  // namespace

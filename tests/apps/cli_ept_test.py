@@ -1,13 +1,17 @@
 """EPT, an octree of tiles in files: its clouds are those of other files with the same points in the same order."""
+import collections
 import ctypes
 import json
 import pathlib
 import shutil
+import signal
+import subprocess
+import threading
 import unittest
 
 import numpy as np
 
-from cli import BAD_INPUT, IO, USAGE, CliTest
+from cli import BAD_INPUT, INTERRUPTED, IO, TESSERA, USAGE, CliTest
 from object_server import ObjectServer
 
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
@@ -180,6 +184,68 @@ class EptTest(CliTest):
             self.assertEqual(cells[0], cells[1])
             tiles = {request.name for request in server.requests[first:] if "ept-data" in request.name}
             self.assertLess(len(tiles), sum("ept-data" in name for name in files) / 2)
+
+    def far(self, path, **more):
+        files = {file.relative_to(path.parent).as_posix(): file.read_bytes() for file in path.parent.rglob("*") if file.is_file()}
+        return self.enterContext(ObjectServer(files, **more))
+
+    def test_behind_http_each_file_is_asked_for_once_and_many_at_once(self):
+        for kind in ("binary", "zstandard"):
+            path, *_ = self.ept(kind, records(20000), kind)
+            server = self.far(path, delay_s=0.02)
+            for command in (["triangulate", server.url("ept.json"), "--tiles", "5"],  # reads all points several times
+                            ["region", server.url("ept.json"), "--bbox", "110,-40,20,150,0,60"]):
+                first = len(server.requests)
+                server.most_at_once = 0
+                self.ok(*command, "-o", "out", "--overwrite", "--quiet")
+                asked = collections.Counter(request.name for request in server.requests[first:])
+                self.assertEqual({name for name in server.objects if name.startswith("ept-hierarchy")} - asked.keys(), set())
+                self.assertEqual({name: times for name, times in asked.items() if times > 1}, {})
+                self.assertGreater(len(asked), 40)
+                self.assertGreaterEqual(server.most_at_once, 8)
+                self.assertLessEqual(server.most_at_once, 16)
+
+    def test_info_of_a_cloud_behind_http_reads_no_binary_tile(self):
+        path, *_ = self.ept("cloud", records(5000))
+        server = self.far(path)
+        self.ok("info", server.url("ept.json"))
+        self.assertEqual([request.name for request in server.requests if "ept-data" in request.name], [])
+
+    def test_ctrl_c_ends_a_command_that_waits_for_a_tile(self):
+        path, *_ = self.ept("cloud", records(5000))
+        server, asked, over = self.far(path), threading.Event(), threading.Event()
+        self.addCleanup(over.set)
+
+        def silent(request, answer):
+            if "ept-data" in request.name:
+                asked.set()
+                over.wait()
+            return answer
+
+        server.fault = silent
+        process = subprocess.Popen([TESSERA, "triangulate", server.url("ept.json"), "-o", self.out], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+        self.assertTrue(asked.wait(60))
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=60)[1].decode()
+        over.set()
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertFalse((self.out / "manifest.json").exists())
+
+    def test_a_tile_that_is_missing_on_a_server_is_named(self):
+        path, *_ = self.ept("cloud", records(5000))
+        server = self.far(path)
+        missing = sorted(name for name in server.objects if "ept-data/3-" in name)[7]
+        del server.objects[missing]
+        self.refused(IO, "triangulate", server.url("ept.json"), "-o", "out", says=(missing, "404"))
+        self.assertFalse((self.folder / "out" / "manifest.json").exists())
+
+    def test_sums_of_points_do_not_wrap_around(self):
+        path, *_ = self.ept("cloud", records(300))
+        described = json.loads(path.read_text()) | {"points": 1 << 48}
+        path.write_text(json.dumps(described))
+        nodes = {"0-0-0-0": 1 << 48} | {f"{level}-{x}-0-0": 1 << 48 for level in range(1, 17) for x in range(1 << level)}
+        (path.parent / "ept-hierarchy" / "0-0-0-0.json").write_text(json.dumps(nodes))
+        self.refused(BAD_INPUT, "info", path, says="or more")
 
     def test_what_is_wrong_is_said(self):
         path, *_ = self.ept("good", records(300))

@@ -5,9 +5,12 @@ import hashlib
 import json
 import pathlib
 import signal
+import struct
 import subprocess
 import threading
 import unittest
+
+import numpy as np
 
 from cli import BAD_INPUT, INTERRUPTED, IO, TESSERA, USAGE, CliTest
 from object_server import Answer, ObjectServer
@@ -217,6 +220,24 @@ class Objects(CliTest):
         server.fault = longer
         done = self.run_tessera("info", server.url(COPC.name), "--stats")
         self.assertIn(done.returncode, (0, BAD_INPUT, IO), done.stderr)
+
+    def test_a_sample_of_a_large_file_is_read_with_many_requests_at_once(self):
+        count = 200_000
+        xyz = np.random.default_rng(1).integers(0, 10**6, (count, 3), dtype="<i4")
+        header = bytearray(227)
+        struct.pack_into("<4s", header, 0, b"LASF")
+        struct.pack_into("<BB", header, 24, 1, 2)
+        struct.pack_into("<HIIBHI5I", header, 94, 227, 227, 0, 0, 20, count, count, 0, 0, 0, 0)
+        struct.pack_into("<12d", header, 131, .01, .01, .01, 0, 0, 0, 1e4, 0, 1e4, 0, 1e4, 0)
+        records = np.zeros(count, [("xyz", "<i4", 3), ("rest", "V8")])
+        records["xyz"] = xyz
+        file = self.write("large.las", bytes(header) + records.tobytes())
+        server = self.serve(file, delay_s=0.01)
+        options = ("--dim", "2", "--tiles", "30")
+        self.assertEqual(self.tiles(server.url("large.las"), more=options), self.tiles(file, more=options))
+        # Reading in order asks for pieces of 1 MiB, of which the file has four.
+        self.assertGreaterEqual(server.most_at_once, 10)
+        self.assertLessEqual(server.most_at_once, 16)
 
     def test_commands_that_triangulate_first_take_objects(self):
         file = CLOUDS / "ign_77050_627755.laz"

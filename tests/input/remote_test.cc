@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -25,6 +26,8 @@
 #include "src/input/bytes/objects.h"
 #include "src/input/remote/kept_pages.h"
 #include "src/input/remote/kept_source.h"
+#include "src/input/remote/permits.h"
+#include "src/input/remote/remote_objects.h"
 #include "src/input/remote/s3.h"
 #include "src/input/remote/s3_listing.h"
 #include "src/input/remote/transfers.h"
@@ -76,6 +79,148 @@ TEST(S3, AddressesHaveTheBucketInTheHostUnlessThereIsAnEndpointOrAPoint) {
   EXPECT_EQ(address("s3://bucket/a b+\xC3\xBC.laz", other), "http://127.0.0.1:9000/bucket/a%20b%2B%C3%BC.laz");
   for (const char* wrong : {"s3://", "s3:///a", "s3://UPPER/a", "s3://ab/a", "s3://a@b.c/a", "s3://host:80/a"})
     EXPECT_TRUE(s3_address(wrong, amazon).has_error()) << wrong;
+}
+
+TEST(Addresses, HaveAPortAndAPathThatCanBeCompared) {
+  const auto url = parse_url("https://h/a/../b/./c%20d").value();
+  EXPECT_EQ(url.port + url.path, "443/b/c%20d");
+  EXPECT_EQ(parse_url("http://h").value().port + parse_url("http://h").value().path, "80/");
+  EXPECT_EQ(parse_url("http://0x7f.1/").value().host, "127.0.0.1");
+}
+
+TEST(Permits, AreWholeSegmentsOfOneServer) {
+  const auto permits = Permits::parse({"https://Host.example/open", "http://10.0.0.5:9000/", "https://host/a%20b/",
+                                       "https://host/one.laz", "s3://bucket/block/", "s3://all"});
+  ASSERT_TRUE(permits) << permits.error().where;
+  const auto allowed = [&](const std::string& address) {
+    return (address.starts_with("s3://") ? permits.value().check_s3(address)
+                                         : permits.value().check_address(address, address))
+        .has_value();
+  };
+  for (const char* below :
+       {"https://host.example/open", "https://HOST.example:443/open/a.laz?x=/../..", "https://host.example/open/",
+        "https://host.example/closed/../open/a.laz", "http://10.0.0.5:9000/any/where", "https://host/a b/c",
+        "https://host/%61%20b/c", "https://host/one.laz", "s3://bucket/block/a.laz", "s3://bucket/block/",
+        "s3://bucket/block/a b%2e/c", "s3://all/", "s3://all", "s3://all/a/b"})
+    EXPECT_TRUE(allowed(below)) << below;
+  for (const char* beside : {"https://host.example/opened/a.laz",
+                             "https://host.example/",
+                             "https://host.example/open/../closed/a.laz",
+                             "http://host.example/open/a.laz",
+                             "https://host.example:8443/open/a.laz",
+                             "https://host.example./open/a.laz",
+                             "https://host.example.evil/open/a.laz",
+                             "https://evil/open/a.laz",
+                             "https://evil/https://host.example/open/",
+                             "https://host.example@evil/open/a.laz",
+                             "https://me@host.example/open/a.laz",
+                             "https://host/one.laz2",
+                             "http://10.0.0.5/any",
+                             "http://10.0.0.50:9000/any",
+                             "ftp://host.example/open/a.laz",
+                             "file:///open/a.laz",
+                             "s3://bucket/blocks/a.laz",
+                             "s3://bucket/a.laz",
+                             "s3://bucket",
+                             "s3://bucket2/block/a.laz",
+                             "s3://all/../bucket/a.laz",
+                             "s3://bucket/block/../a.laz",
+                             "s3://bucket/block/./a.laz",
+                             "https://",
+                             "//host.example/open",
+                             ""})
+    EXPECT_FALSE(allowed(beside)) << beside;
+}
+
+TEST(Permits, RefusePathsThatServersReadInSeveralWays) {
+  const auto permits = Permits::parse({"https://host/"});
+  ASSERT_TRUE(permits);
+  for (const char* path : {"a%2f..%2fb", "a%5cb", "a\\b", "a%252e%252e", "a%00b", "a%0ab", "a%2", "a%zz", "a/..;/b",
+                           "a/..;x=1/b", "a/%2e%2e;/b", "a/.;/b"})
+    EXPECT_EQ(permits.value().check_address(std::string("https://host/") + path, "x").error().code, Errc::usage)
+        << path;
+  // libcurl may resolve these or not; below a folder neither reading may lead out of it.
+  const auto folder = Permits::parse({"https://host/open/"});
+  for (const char* path : {"open/%2e%2e/closed/a", "open/%2E%2E/closed", "open/.%2e/closed", "open/a/%2e%2e/%2e%2e/b"})
+    EXPECT_TRUE(folder.value().check_address(std::string("https://host/") + path, "x").has_error()) << path;
+}
+
+TEST(Permits, RefusePrefixesThatAreNone) {
+  for (const char* wrong : {"host/open", "ftp://host/", "https://me:secret@host/", "https://host/?a", "https://host/#a",
+                            "s3://", "s3:///a", "https://host/a%2fb", "https://host/..;/", "", "/srv/lidar"}) {
+    const auto refused = Permits::parse({"https://good/", wrong});
+    ASSERT_TRUE(refused.has_error()) << wrong;
+    EXPECT_EQ(refused.error().code, Errc::usage);
+    EXPECT_EQ(refused.error().where.find("secret"), std::string::npos);
+  }
+  EXPECT_TRUE(Permits::parse({}));
+}
+
+sockaddr_storage address_of(const std::string& number) {
+  sockaddr_storage address{};
+  auto& v4 = reinterpret_cast<sockaddr_in&>(address);
+  auto& v6 = reinterpret_cast<sockaddr_in6&>(address);
+  address.ss_family = AF_INET;
+  if (::inet_pton(AF_INET, number.c_str(), &v4.sin_addr) == 1) return address;
+  address.ss_family = AF_INET6;
+  EXPECT_EQ(::inet_pton(AF_INET6, number.c_str(), &v6.sin6_addr), 1) << number;
+  return address;
+}
+
+TEST(Permits, KnowAddressesThatLeadInward) {
+  const auto inward = [](const std::string& number) {
+    const auto address = address_of(number);
+    EXPECT_EQ(address_number(reinterpret_cast<const sockaddr&>(address)), number);
+    return leads_inward(reinterpret_cast<const sockaddr&>(address));
+  };
+  for (const char* number : {"127.0.0.1",
+                             "127.255.0.9",
+                             "0.0.0.0",
+                             "0.1.2.3",
+                             "169.254.169.254",
+                             "169.254.0.1",
+                             "100.100.100.200",
+                             "168.63.129.16",
+                             "192.0.0.192",
+                             "224.0.0.1",
+                             "255.255.255.255",
+                             "240.0.0.1",
+                             "::1",
+                             "::",
+                             "fe80::1",
+                             "febf::1",
+                             "fec0::1",
+                             "ff02::1",
+                             "fd00:ec2::254",
+                             "::ffff:127.0.0.1",
+                             "::ffff:169.254.169.254",
+                             "::ffff:0.0.0.0",
+                             "::127.0.0.1",
+                             "64:ff9b::a9fe:a9fe",
+                             "64:ff9b:1::7f00:1",
+                             "2002:7f00:1::",
+                             "2002:a9fe:a9fe::1",
+                             "::ffff:0:7f00:1"})
+    EXPECT_TRUE(inward(number)) << number;
+  for (const char* number :
+       {"10.0.0.5", "192.168.1.1", "172.16.0.1", "128.0.0.1", "169.253.0.1", "8.8.8.8", "100.100.100.201",
+        "2001:db8::1", "fd00::1", "fc00::1", "::ffff:10.0.0.5", "64:ff9b::808:808", "2002:808:808::1"})
+    EXPECT_FALSE(inward(number)) << number;
+  sockaddr_storage local{};
+  local.ss_family = AF_UNIX;
+  EXPECT_TRUE(leads_inward(reinterpret_cast<const sockaddr&>(local)));
+}
+
+TEST(Permits, KnowTheNumberOfAnAddress) {
+  const auto is = [](const char* host, const char* number) {
+    const auto address = address_of(number);
+    return is_number_of(host, reinterpret_cast<const sockaddr&>(address));
+  };
+  EXPECT_TRUE(is("127.0.0.1", "127.0.0.1"));
+  EXPECT_TRUE(is("::1", "::1"));
+  EXPECT_TRUE(is("0:0::1", "::1"));
+  EXPECT_TRUE(is("::ffff:127.0.0.1", "127.0.0.1"));
+  for (const char* host : {"localhost", "127.0.0.2", "::1", "", "127.1"}) EXPECT_FALSE(is(host, "127.0.0.1")) << host;
 }
 
 class Credentials : public testing::Test {
@@ -179,7 +324,7 @@ struct Far {
   explicit Far(std::size_t bytes, std::shared_ptr<KeptPages> pages = std::make_shared<KeptPages>("", 0)) {
     auto made = std::make_unique<Counted>(bytes);
     object = made.get();
-    source = keep_source(std::move(made), object->begin(16384), std::move(pages)).value();
+    source = keep_source(std::move(made), object->begin(16384), std::move(pages), {}).value();
   }
   bool reads(std::uint64_t at, std::size_t bytes) const {
     std::vector<std::byte> got(bytes);
@@ -244,6 +389,100 @@ TEST(KeptSource, AsksAgainAfterAnError) {
   far.object->fails = false;
   EXPECT_TRUE(far.reads(500'000, 100'000));
   EXPECT_EQ(far.source->read(999'999, got).error().code, Errc::bad_input);
+}
+
+// A server with one answer for each request, which keeps what it was sent.
+class TellingServer {
+ public:
+  explicit TellingServer(std::string answer) : answer_(std::move(answer)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t bytes = sizeof address;
+    EXPECT_EQ(::bind(socket_.get(), reinterpret_cast<sockaddr*>(&address), bytes), 0);
+    EXPECT_EQ(::listen(socket_.get(), 64), 0);
+    EXPECT_EQ(::getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&address), &bytes), 0);
+    port_ = std::to_string(ntohs(address.sin_port));
+    thread_ = std::jthread([this] { serve(); });
+  }
+  TellingServer(const TellingServer&) = delete;
+  TellingServer& operator=(const TellingServer&) = delete;
+  ~TellingServer() { ::shutdown(socket_.get(), SHUT_RDWR); }
+
+  std::string url(const std::string& host, const std::string& path) const {
+    return "http://" + host + ":" + port_ + path;
+  }
+  int connections() const { return connections_; }
+
+ private:
+  void serve() {
+    while (true) {
+      const FileHandle peer(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+      if (peer.get() < 0) return;
+      ++connections_;
+      std::string request;
+      char buffer[4096];
+      while (request.find("\r\n\r\n") == std::string::npos) {
+        const auto got = ::recv(peer.get(), buffer, sizeof buffer, 0);
+        if (got <= 0) break;
+        request.append(buffer, static_cast<std::size_t>(got));
+      }
+      EXPECT_EQ(::send(peer.get(), answer_.data(), answer_.size(), MSG_NOSIGNAL), static_cast<ssize_t>(answer_.size()));
+    }
+  }
+
+  std::string answer_, port_;
+  std::atomic<int> connections_{0};
+  FileHandle socket_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  std::jthread thread_;
+};
+
+std::shared_ptr<const Permits> permits_of(const std::vector<std::string>& prefixes) {
+  return std::make_shared<const Permits>(Permits::parse(prefixes).value());
+}
+
+std::string opened(const std::vector<std::string>& prefixes, const std::string& name) {
+  const auto objects = remote_objects({.permits = permits_of(prefixes)});
+  const auto got = objects->open(name, {});
+  return got.has_value() ? "opened" : got.error().where;
+}
+
+const char* const ten_bytes =
+    "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 0-9/10\r\nContent-Length: 10\r\nConnection: close\r\n\r\n"
+    "0123456789";
+
+// What a name means may change between a check and the connection. So the address of the connection counts.
+TEST(Permits, HoldForTheAddressOfTheConnection) {
+  const TellingServer server(ten_bytes);
+  const std::string by_name = server.url("localhost", "/a.xyz"), by_number = server.url("127.0.0.1", "/a.xyz");
+  EXPECT_EQ(opened({server.url("127.0.0.1", "/")}, by_number), "opened");
+  EXPECT_EQ(server.connections(), 1);
+  const std::string refused = opened({server.url("localhost", "/"), server.url("127.0.0.1", "/")}, by_name);
+  EXPECT_NE(refused.find("its name leads to "), std::string::npos) << refused;
+  EXPECT_EQ(refused.find("tries"), std::string::npos) << refused;
+  for (const char* host : {"0.0.0.0", "[::ffff:127.0.0.1]", "127.0.0.2"})
+    EXPECT_NE(opened({server.url("127.0.0.1", "/")}, server.url(host, "/a.xyz")), "opened") << host;
+  EXPECT_EQ(server.connections(), 1);
+}
+
+TEST(Permits, HoldWhateverAProxyWouldDo) {
+  const TellingServer server(ten_bytes);
+  ASSERT_EQ(::setenv("http_proxy", server.url("127.0.0.1", "").c_str(), 1), 0);
+  const std::string refused = opened({"http://localhost:1/"}, "http://localhost:1/a.xyz");
+  ::unsetenv("http_proxy");
+  EXPECT_NE(refused, "opened");
+  EXPECT_EQ(server.connections(), 0);
+}
+
+TEST(Permits, HoldForEachRedirect) {
+  for (const char* location : {"http://127.0.0.1:1/a", "http://localhost:1/a", "http://169.254.169.254/latest/", "/b",
+                               "/open/../b", "//127.0.0.1:1/open/a", "/open/%2e%2e/b"}) {
+    const TellingServer server("HTTP/1.1 302 Found\r\nContent-Length: 0\r\nConnection: close\r\nLocation: " +
+                               std::string(location) + "\r\n\r\n");
+    const std::string refused = opened({server.url("127.0.0.1", "/open/")}, server.url("127.0.0.1", "/open/a.xyz"));
+    EXPECT_NE(refused.find("the server leads to "), std::string::npos) << refused;
+    EXPECT_EQ(server.connections(), 1) << location;
+  }
 }
 
 // A server that takes connections and never answers.

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <new>
 
+#include "src/front/api/far_objects.h"
 #include "tessera/failure.h"
 
 namespace tessera {
@@ -32,6 +33,7 @@ void refuse_if_forked_within() {
 Entry::Entry() {
   if (not_registered != 0) throw std::bad_alloc();
   refuse_if_forked_within();
+  set_far_objects();
   ++entries;
 }
 

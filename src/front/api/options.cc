@@ -119,6 +119,22 @@ TriangulationOptions& TriangulationOptions::input_list(const std::filesystem::pa
   impl_->job.cloud.input_list = file.string();
   return *this;
 }
+TriangulationOptions& TriangulationOptions::endpoint(const std::string& url) {
+  impl_->s3.endpoint = url;
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::profile(const std::string& name) {
+  impl_->s3.profile = name;
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::anonymous(bool anonymous) {
+  impl_->s3.anonymous = anonymous;
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::requester_pays(bool pays) {
+  impl_->s3.requester_pays = pays;
+  return *this;
+}
 TriangulationOptions& TriangulationOptions::progress(std::function<void(const JobProgress&)> progress) {
   impl_->progress = std::move(progress);
   return *this;

@@ -1,6 +1,7 @@
 // The inside of the option classes of the public library, and the options of the engine that are made of it.
 #pragma once
 
+#include "src/input/remote/s3.h"
 #include "src/job/job_options.h"
 #include "src/result/export/export.h"
 #include "src/result/measure/measure.h"
@@ -12,6 +13,7 @@ namespace tessera {
 struct TriangulationOptions::Impl {
   JobOptions job;  // as the program set it; 0 threads and 0 bytes let the library choose
   std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first", store = "auto";
+  remote::S3Options s3;
   std::vector<double> crop;
   std::filesystem::path folder;
   bool overwrite = false, resume = false;

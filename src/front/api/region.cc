@@ -6,8 +6,10 @@
 
 #include "src/base/option.h"
 #include "src/front/api/errors.h"
+#include "src/front/api/far_objects.h"
 #include "src/front/api/options_inside.h"
 #include "src/front/api/triangulation_maker.h"
+#include "src/input/bytes/objects.h"
 #include "src/job/region_job.h"
 #include "src/tiling/budget/budget.h"
 
@@ -79,6 +81,7 @@ Triangulation triangulate_region(const std::vector<std::string>& inputs, std::sp
     if (asked.folder.empty()) temporary.emplace(value_or_throw(TemporaryFolder::make()));
     const auto path = temporary ? temporary->path() : asked.folder;
     auto folder = value_or_throw(ResultFolder::inspect(path, false, asked.overwrite));  // fails before input is read
+    const UseObjects use(far_objects(asked.s3));
     auto cloud = value_or_throw(open_regions(inputs, job, asked.stop));
     auto summary = write_region(cloud, job, folder, asked.stop);
     if (!summary) {

@@ -10,9 +10,11 @@
 #include "src/base/option.h"
 #include "src/front/api/entry.h"
 #include "src/front/api/errors.h"
+#include "src/front/api/far_objects.h"
 #include "src/front/api/options_inside.h"
 #include "src/front/api/triangulation_impl.h"
 #include "src/front/api/triangulation_maker.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/npy/array_source.h"
 #include "src/job/describe.h"
 #include "src/job/job.h"
@@ -168,12 +170,16 @@ Triangulation triangulate(const std::vector<std::string>& inputs, const Triangul
   require(!inputs.empty() || !asked.job.cloud.input_list.empty(), "no input file is given");
   require(!asked.resume || std::find(inputs.begin(), inputs.end(), "-") == inputs.end(),
           option("resume") + ": standard input cannot be read again; save it in a file");
-  return make(options, [&](JobOptions& job, const std::stop_token& stop) { return open_cloud(inputs, job, stop); });
+  return make(options, [&](JobOptions& job, const std::stop_token& stop) {
+    const UseObjects use(far_objects(asked.s3));
+    return open_cloud(inputs, job, stop);
+  });
 }
 
 std::string describe(const std::vector<std::string>& inputs, const TriangulationOptions& options) {
   return guarded([&] {
     require(!inputs.empty() || !OptionsInside::of(options).job.cloud.input_list.empty(), "no input file is given");
+    const UseObjects use(far_objects(OptionsInside::of(options).s3));
     auto described = tessera::describe(inputs, job_options(options), {.json = true}, OptionsInside::of(options).stop);
     if (described.error) throw_failure(*described.error);
     return std::move(described.text);

@@ -52,8 +52,7 @@ int fail(const Error& error, bool json) {
 // How objects are read. Commands without these options go by the environment and ~/.aws alone.
 Result<remote::RemoteOptions> remote_options(const Settings& settings) {
   remote::RemoteOptions options;
-  for (const char* name : {"SSL_CERT_FILE", "CURL_CA_BUNDLE"})  // as the command curl reads them; the last one counts
-    if (const char* file = std::getenv(name)) options.ca_file = file;
+  options.ca_file = remote::ca_file_of([](const char* name) { return std::getenv(name); });
   if (!settings.knows("endpoint")) return options;
   options.s3.endpoint = settings.text("endpoint").value_or("");
   options.s3.profile = settings.text("profile").value_or("");

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "src/cluster/cluster_options.h"
 #include "src/front/daemon/add_option.h"
 #include "src/front/daemon/cluster_settings.h"
+#include "src/input/remote/permits.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 
@@ -64,6 +66,23 @@ Status read_live(const DaemonSettings& settings, service::ServiceOptions& servic
   return success();
 }
 
+Status read_remote(const apps::Settings& top, const std::function<const char*(const char*)>& get_environment,
+                   DaemonOptions& out) {
+  BOOST_OUTCOME_TRY(prefixes, top.get("remote-prefix", parse_names));
+  BOOST_OUTCOME_TRY(anonymous, top.on("s3-anonymous"));
+  if (!prefixes || prefixes->empty()) {
+    if (anonymous) return error(Errc::usage, "s3-anonymous: no address may be read; remote-prefix names some");
+    return success();
+  }
+  BOOST_OUTCOME_TRY(permits, remote::Permits::parse(*prefixes));
+  remote::RemoteOptions& remote = out.remote.emplace();
+  remote.permits = std::make_shared<const remote::Permits>(std::move(permits));
+  remote.s3.anonymous = anonymous;
+  remote.ca_file = remote::ca_file_of(get_environment);
+  remote.folder = out.service.data;
+  return success();
+}
+
 }  // namespace
 
 Result<service::http::ListenOptions> parse_listen_address(std::string_view text) {
@@ -105,6 +124,10 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
              "the address of health checks and metrics; default: 127.0.0.1:7071; none: these are not served");
   add_option(app, top, "inputs", "DIR,...",
              "the folders whose files, also in subfolders, jobs may read; default: none");
+  add_list(app, top, "remote-prefix", "URL,...",
+           "beginnings of addresses (https://, http://, s3://) below which jobs may read inputs; may be given several "
+           "times; default: none");
+  add_switch(app, top, "s3-anonymous", "do not sign requests for inputs s3://");
   add_option(app, top, "memory", "BYTES", "memory for all running jobs together; default: 70 % of what is available");
   add_option(app, top, "threads", "N", "threads for all running jobs together; default: all processors");
   add_option(app, top, "jobs", "N", "how many jobs run at once; default: 1");
@@ -178,6 +201,7 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.retention_s = retention.value_or(0);
 
   BOOST_OUTCOME_TRYV(read_live(settings, service));
+  BOOST_OUTCOME_TRYV(read_remote(top, get_environment, out));
   BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
   service.cluster = std::move(cluster);
 

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "src/base/result.h"
 #include "src/front/apps/settings.h"
+#include "src/input/remote/remote_objects.h"
 #include "src/service/http/server.h"
 #include "src/service/service.h"
 
@@ -19,6 +21,7 @@ namespace tessera::daemon {
 struct DaemonOptions {
   service::ServiceOptions service;  // with the options of the cluster, also for a process that only works for a cluster
   service::http::ServerOptions http;
+  std::optional<remote::RemoteOptions> remote;  // how inputs are read by their addresses; nothing: they are not
   bool json_log = false;
   bool print_token = false;  // print the token also if stdout is no terminal
 };

@@ -35,6 +35,8 @@
 #include "src/front/daemon/node_process.h"
 #include "src/front/daemon/process_watch.h"
 #include "src/front/daemon/supervisor.h"
+#include "src/input/bytes/objects.h"
+#include "src/input/remote/remote_objects.h"
 #include "src/job/version.h"
 #include "src/service/http/server.h"
 #include "src/service/service.h"
@@ -181,6 +183,10 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, apps::flag_name)); };
   options.service.note = [](const std::string& line) { spdlog::info("{}", render(line, apps::flag_name)); };
   const std::optional<ClusterOptions> cluster = options.service.cluster;
+  if (options.remote) {
+    set_objects(remote::remote_objects(*std::move(options.remote)));
+    spdlog::info("inputs may also be read by addresses below those that remote-prefix lists");
+  }
   auto opened = service::Service::open(std::move(options.service));
   if (!opened && turn.given_up()) return success();
   BOOST_OUTCOME_TRY(service, std::move(opened));

@@ -80,6 +80,12 @@ class SharedFarSource : public SharedSource<FarSource> {
   using SharedSource::SharedSource;
   Status bring(std::span<const ByteRange> ranges) const override { return shared().bring(ranges); }
   std::uint64_t near_bytes_max() const override { return shared().near_bytes_max(); }
+  Result<std::shared_ptr<const ByteSource>> open_beside(const std::string& name,
+                                                        std::size_t first_bytes) const override {
+    return shared().open_beside(name, first_bytes);
+  }
+  std::shared_ptr<const Learnt> learnt() const override { return shared().learnt(); }
+  void learn(std::shared_ptr<const Learnt> what) const override { shared().learn(std::move(what)); }
 };
 
 class MemorySource : public ByteSource {

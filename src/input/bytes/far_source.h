@@ -1,8 +1,11 @@
 // Bytes on another machine. A read may wait for the network, so readers say beforehand what they will read.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 
 #include "src/base/result.h"
 #include "src/input/bytes/byte_source.h"
@@ -14,6 +17,12 @@ struct ByteRange {
   std::uint64_t begin = 0, end = 0;
 };
 
+// What a reader has learnt of a source by reading it, for the next reader.
+class Learnt {
+ public:
+  virtual ~Learnt() = default;
+};
+
 class FarSource : public ByteSource {
  public:
   // Fetches what is not yet here of these ranges, many at once, so that reading them does not wait. More than
@@ -22,6 +31,14 @@ class FarSource : public ByteSource {
   virtual Status bring(std::span<const ByteRange> ranges) const = 0;
   // How many bytes are worth bringing at a time.
   virtual std::uint64_t near_bytes_max() const = 0;
+  // Opens another object as this one was opened: with the same rights, and the same way to stop. The first request is
+  // for `first_bytes`. Errors: those of Objects::open().
+  virtual Result<std::shared_ptr<const ByteSource>> open_beside(const std::string& name,
+                                                                std::size_t first_bytes) const = 0;
+  // What learn() was given last, as long as the source lives; null before. For formats whose description takes many
+  // requests.
+  virtual std::shared_ptr<const Learnt> learnt() const = 0;
+  virtual void learn(std::shared_ptr<const Learnt> what) const = 0;
 };
 
 // FarSource::bring() for a source that is far. Does nothing for other sources.

@@ -18,7 +18,10 @@ Way& way() {
   return all;
 }
 
+thread_local std::shared_ptr<Objects> objects_of_thread;
+
 Result<std::shared_ptr<Objects>> objects_for(const std::string& name) {
+  if (objects_of_thread) return objects_of_thread;
   {
     const std::lock_guard lock(way().mutex);
     if (way().objects) return way().objects;
@@ -41,6 +44,18 @@ void set_objects(std::shared_ptr<Objects> objects) {
   const std::lock_guard lock(way().mutex);
   way().objects = std::move(objects);
 }
+
+bool reads_objects() {
+  const std::lock_guard lock(way().mutex);
+  return way().objects != nullptr;
+}
+
+UseObjects::UseObjects(std::shared_ptr<Objects> objects)
+    : before_(std::exchange(objects_of_thread, std::move(objects))) {}
+
+UseObjects::~UseObjects() { objects_of_thread = std::move(before_); }
+
+std::shared_ptr<Objects> UseObjects::of_thread() { return objects_of_thread; }
 
 Result<std::shared_ptr<const ByteSource>> open_object(const std::string& name, std::stop_token stop) {
   BOOST_OUTCOME_TRY(objects, objects_for(name));

@@ -33,8 +33,25 @@ class Objects {
 // inputs and no request can lead round what the process allows.
 void set_objects(std::shared_ptr<Objects> objects);
 
-// Objects::open() and names() of this process. Error usage if it opens none.
+// Whether this process opens objects.
+bool reads_objects();
+// Objects::open() and names() of this thread, or else of this process. Error usage if it opens none.
 Result<std::shared_ptr<const ByteSource>> open_object(const std::string& name, std::stop_token stop);
 Result<std::vector<std::string>> object_names(const std::string& name, bool recursive, std::stop_token stop);
+
+// Until destroyed, the thread that made it opens objects in this way, whatever the process does, and so do the threads
+// of in_order() that it starts. For programs whose calls have different rights.
+class UseObjects {
+ public:
+  explicit UseObjects(std::shared_ptr<Objects> objects);
+  ~UseObjects();
+  UseObjects(const UseObjects&) = delete;
+  UseObjects& operator=(const UseObjects&) = delete;
+  // Null when this thread has none.
+  static std::shared_ptr<Objects> of_thread();
+
+ private:
+  std::shared_ptr<Objects> before_;
+};
 
 }  // namespace tessera

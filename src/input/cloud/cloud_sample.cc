@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "src/base/ledger.h"
 #include "src/base/mixed_bits.h"
+#include "src/input/bytes/far_source.h"
 #include "src/input/cloud/in_order.h"
 #include "src/input/cloud/point_filter.h"
 
@@ -46,14 +48,19 @@ class Thinning {
   std::vector<Point> points_;
 };
 
+// Blocks of `block` points of the `n` points of a file, at random places.
+struct Blocks {
+  std::uint64_t n = 0, block = 0, blocks = 0;
+};
+
 class FileSampler {
  public:
   FileSampler(PointReader& reader, const PointFilter& filter) : reader_(reader), filter_(filter) {}
 
-  // Reads `wanted` of the `n` points of a reader that can seek, before filtering, in blocks of `block` points.
-  Status blocks(std::uint64_t n, std::uint64_t wanted, std::uint64_t block, std::vector<Point>& to) {
-    const std::uint64_t blocks = (std::min(wanted, n) + block - 1) / block;
-    for (std::uint64_t b = 0; b < blocks; ++b) {
+  // Reads blocks of a reader that can seek, before filtering.
+  Status blocks(const Blocks& which, std::uint64_t first, std::uint64_t last, std::vector<Point>& to) {
+    const auto& [n, block, blocks] = which;
+    for (std::uint64_t b = first; b < last; ++b) {
       // The b-th of `blocks` equal ranges has one block at a random place. n * b may need more than 64 bits.
       const auto begin = part(n, b, blocks), length = part(n, b + 1, blocks) - begin;
       const auto count = std::min(length, block);
@@ -103,6 +110,31 @@ class FileSampler {
   CloudBatch kept_;
 };
 
+// Reads blocks of a file on a server with a reader for each request under way, because a reader waits for its block.
+Status sample_far(const Cloud& cloud, std::size_t file, const PointFilter& filter, const Blocks& which,
+                  std::vector<Point>& to) {
+  constexpr std::uint64_t at_once = 16;
+  const std::uint64_t pieces = std::min(at_once, which.blocks);
+  const auto read = [&, ledger = Ledger::of_thread()](std::size_t i) -> Result<std::vector<Point>> {
+    const Ledger::Use use(ledger);
+    std::vector<Point> sample;
+    BOOST_OUTCOME_TRY(reader, cloud.reopen(file, filter.reader_schema(), {.threads = 1}));
+    FileSampler sampler(*reader, filter);
+    BOOST_OUTCOME_TRYV(sampler.blocks(which, i * which.blocks / pieces, (i + 1) * which.blocks / pieces, sample));
+    return sample;
+  };
+  return in_order(static_cast<std::size_t>(pieces), at_once, read,
+                  [&](std::size_t, std::vector<Point> sample) -> Status {
+                    to.insert(to.end(), sample.begin(), sample.end());
+                    return success();
+                  });
+}
+
+Result<bool> is_far(const Cloud& cloud, std::size_t file) {
+  BOOST_OUTCOME_TRY(source, cloud.source(file));
+  return near_bytes_max(*source) > 0;
+}
+
 }  // namespace
 
 Result<std::vector<Point>> sample_cloud(const Cloud& cloud, std::size_t wanted) {
@@ -131,7 +163,14 @@ Result<std::vector<Point>> sample_cloud(const Cloud& cloud, std::size_t wanted) 
       const std::uint64_t block = block_points_of(quota, file, estimate);
       const bool worthwhile = quota / block * file.seek_points < estimate;
       if (seekable && file.points && worthwhile) {
-        BOOST_OUTCOME_TRYV(sampler.blocks(*file.points, quota, block, sample));
+        const std::uint64_t n = *file.points;
+        const Blocks which{.n = n, .block = block, .blocks = (std::min(quota, n) + block - 1) / block};
+        BOOST_OUTCOME_TRY(far, is_far(cloud, i));
+        if (far) {
+          BOOST_OUTCOME_TRYV(sample_far(cloud, i, filter, which, sample));
+        } else {
+          BOOST_OUTCOME_TRYV(sampler.blocks(which, 0, which.blocks, sample));
+        }
       } else {
         BOOST_OUTCOME_TRYV(sampler.whole(quota, sample));
       }

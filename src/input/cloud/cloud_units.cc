@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "src/base/option.h"
-#include "src/input/ept/ept_nodes.h"
+#include "src/input/ept/ept_known.h"
 #include "src/input/laz/copc_units.h"
 
 namespace tessera {
@@ -155,10 +155,12 @@ Status CloudUnits::bring(std::span<const std::size_t> units) const {
   std::vector<FilePart> nodes;
   for (const std::size_t unit : units) {
     const RecordRange& range = ranges_[unit];
-    if (range.whole || cloud_.files()[range.file].format == "ept") return success();  // its nodes are files
+    if (range.whole) return success();
     nodes.push_back({range.first, list_[unit].points, range.begin, list_[unit].bytes, list_[unit].bounds});
   }
-  BOOST_OUTCOME_TRY(source, cloud_.source(ranges_[units.front()].file));
+  const std::size_t file = ranges_[units.front()].file;
+  BOOST_OUTCOME_TRY(source, cloud_.source(file));
+  if (cloud_.files()[file].format == "ept") return ept::bring_parts(*source, nodes);
   return laz::bring_copc_units(*source, filter_.reader_schema(), nodes);
 }
 

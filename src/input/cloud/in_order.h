@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/input/bytes/objects.h"
 
 namespace tessera {
 
@@ -40,7 +41,8 @@ Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& t
   } shared;
   shared.slots.resize(2 * std::size_t{threads});
 
-  const auto work = [&] {
+  const auto work = [&, objects = UseObjects::of_thread()] {
+    const UseObjects use(objects);
     std::unique_lock lock(shared.mutex);
     while (true) {
       shared.changed.wait(

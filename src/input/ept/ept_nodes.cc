@@ -6,13 +6,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "src/base/json/json_text.h"
 #include "src/base/printable.h"
-#include "src/input/bytes/far_source.h"
-#include "src/input/bytes/objects.h"
+#include "src/input/ept/ept_files.h"
 #include "src/input/ept/ept_names.h"
 
 namespace tessera::ept {
@@ -20,8 +20,8 @@ namespace {
 
 // As for COPC: numbers of cubes stay below 2^31.
 constexpr std::int32_t level_max = 30;
-// More nodes would need more memory than their points.
-constexpr std::size_t nodes_max = 100'000'000;
+// Some 1.5 GB of memory. Clouds of 300 billion points have as many.
+constexpr std::size_t nodes_max = std::size_t{1} << 24;
 
 std::optional<Key> key_of(std::string_view text) {
   std::array<std::int32_t, 4> numbers{};
@@ -42,14 +42,17 @@ std::optional<Key> key_of(std::string_view text) {
 // Reads the files of a hierarchy. Each leads to others.
 class HierarchyReader {
  public:
-  explicit HierarchyReader(const Info& info) : info_(info) {}
+  HierarchyReader(const ByteSource& ept, const Info& info) : ept_(ept), info_(info) {}
 
   Status read_all() {
     std::vector<Key> pages{Key{}};
     while (!pages.empty()) {
-      const Key page = pages.back();
-      pages.pop_back();
-      BOOST_OUTCOME_TRYV(read_page(page, pages));
+      std::vector<Key> below;
+      for (std::size_t begin = 0; begin < pages.size(); begin += files_at_once) {
+        const auto next = std::span(pages).subspan(begin, std::min(files_at_once, pages.size() - begin));
+        BOOST_OUTCOME_TRYV(read_pages(next, below));
+      }
+      pages = std::move(below);
     }
     return success();
   }
@@ -57,9 +60,21 @@ class HierarchyReader {
   std::map<Key, std::uint64_t> take() { return std::move(points_); }
 
  private:
-  Status read_page(const Key& page, std::vector<Key>& pages) {
+  // Adds the pages to which these lead to `below`.
+  Status read_pages(std::span<const Key> pages, std::vector<Key>& below) {
+    const Files files;
+    std::vector<std::filesystem::path> paths;
+    for (const Key& page : pages) paths.push_back(hierarchy_file(info_, page));
+    BOOST_OUTCOME_TRYV(files.bring(ept_, paths));
+    for (const Key& page : pages) {
+      BOOST_OUTCOME_TRYV(read_page(files, page, below));
+    }
+    return success();
+  }
+
+  Status read_page(const Files& files, const Key& page, std::vector<Key>& pages) {
     const auto path = hierarchy_file(info_, page);
-    BOOST_OUTCOME_TRY(source, open_beside(path));
+    BOOST_OUTCOME_TRY(source, files.open(ept_, path));
     BOOST_OUTCOME_TRY(text, read_text(*source));
     const nlohmann::json all = parse_json(text);
     const auto bad = [&](const std::string& what) { return error(Errc::bad_input, path.string() + ": " + what); };
@@ -79,28 +94,19 @@ class HierarchyReader {
         return bad(in_quotes(name) + " has " + std::to_string(points) + " points, and the whole cloud " +
                    std::to_string(info_.points));
       if (!points_.emplace(*key, points).second) return bad(in_quotes(name) + " is in the hierarchy twice");
-      if (points_.size() > nodes_max) return bad("the hierarchy has more than 100 million nodes");
+      if (points_.size() > nodes_max) return bad("the hierarchy has more than 16 million nodes");
     }
     // A page that leads to pages that were read would never end.
     if (!points_.contains(page)) return bad("does not have its own node, " + page.text());
     return success();
   }
 
+  const ByteSource& ept_;
   const Info& info_;
   std::map<Key, std::uint64_t> points_;
 };
 
 }  // namespace
-
-Result<std::unique_ptr<ByteSource>> open_beside(const std::filesystem::path& path) {
-  if (!names_object(path.string())) return open_file(path);
-  BOOST_OUTCOME_TRY(object, open_object(path.string(), {}));
-  const ByteRange all{0, object->size()};
-  if (all.end <= near_bytes_max(*object)) {
-    BOOST_OUTCOME_TRYV(bring_near(*object, std::span(&all, 1)));
-  }
-  return share(std::move(object));
-}
 
 std::string Key::text() const {
   std::string text = std::to_string(level);
@@ -117,8 +123,8 @@ std::filesystem::path hierarchy_file(const Info& info, const Key& key) {
   return info.path.parent_path() / ept_hierarchy_folder / (key.text() + ".json");
 }
 
-Result<std::vector<Node>> read_nodes(const Info& info) {
-  HierarchyReader reader(info);
+Result<std::vector<Node>> read_nodes(const ByteSource& ept, const Info& info) {
+  HierarchyReader reader(ept, info);
   BOOST_OUTCOME_TRYV(reader.read_all());
   std::vector<Node> nodes;
   std::uint64_t first = 0;
@@ -126,10 +132,12 @@ Result<std::vector<Node>> read_nodes(const Info& info) {
     if (points == 0) continue;
     nodes.push_back({key, first, points});
     first += points;
+    if (first > info.points) break;  // before the sum could exceed what 64 bits hold
   }
   if (first == info.points) return nodes;
   return error(Errc::bad_input, info.path.string() + ": has " + std::to_string(info.points) +
-                                    " points, and the nodes of its hierarchy have " + std::to_string(first));
+                                    " points, and the nodes of its hierarchy have " + std::to_string(first) +
+                                    (first > info.points ? " or more" : ""));
 }
 
 std::int32_t levels_for(const Info& info, double resolution) {
@@ -156,23 +164,6 @@ Bounds bounds_of(const Info& info, const Key& key) {
     if (both.lo[axis] > both.hi[axis]) return bounds;
   }
   return both;
-}
-
-Result<std::vector<FilePart>> read_parts(const ByteSource& source, double resolution) {
-  BOOST_OUTCOME_TRY(info, read_info(source));
-  BOOST_OUTCOME_TRY(nodes, read_nodes(info));
-  const std::int32_t levels = levels_for(info, resolution);
-  // LAZ and Zstandard make tiles 3 to 5 times smaller.
-  const std::uint64_t smaller = info.tiles == Info::Tiles::binary ? 1 : 4;
-  std::vector<FilePart> parts;
-  for (const auto& node : nodes)
-    if (node.key.level < levels)
-      parts.push_back({.first = node.first,
-                       .points = node.points,
-                       .begin = 0,
-                       .bytes = node.points * info.record_bytes / smaller,
-                       .bounds = bounds_of(info, node.key)});
-  return parts;
 }
 
 }  // namespace tessera::ept

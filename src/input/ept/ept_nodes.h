@@ -11,8 +11,8 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/input/bytes/byte_source.h"
 #include "src/input/ept/ept_info.h"
-#include "src/input/file_part.h"
 
 namespace tessera::ept {
 
@@ -31,21 +31,15 @@ struct Node {
 };
 
 // The nodes with points, in the order of the cloud: by level, then by x, y and z. The whole hierarchy is read, because
-// numbers of points are its sums. Errors: those of reading; bad_input for texts that are no hierarchy, nodes without a
-// parent, files in a circle, and a sum that is not that of ept.json.
-Result<std::vector<Node>> read_nodes(const Info& info);
+// numbers of points are its sums. `ept`: the source of ept.json. Errors: those of reading; bad_input for texts that are
+// no hierarchy, nodes without a parent, files in a circle, and a sum that is not that of ept.json.
+Result<std::vector<Node>> read_nodes(const ByteSource& ept, const Info& info);
 
 // The number of levels that `resolution` needs (see ReadHints).
 std::int32_t levels_for(const Info& info, double resolution);
 
 // The cube of a node within the box of the cloud, a little larger for rounding.
 Bounds bounds_of(const Info& info, const Key& key);
-
-// The nodes that `resolution` needs as parts of the cloud. Their bytes are estimates for compressed tiles.
-Result<std::vector<FilePart>> read_parts(const ByteSource& source, double resolution);
-
-// Opens a file of the cloud, which is where its ept.json is: on this machine or on a server.
-Result<std::unique_ptr<ByteSource>> open_beside(const std::filesystem::path& path);
 
 // The files of an EPT folder.
 std::filesystem::path tile_file(const Info& info, const Key& key);

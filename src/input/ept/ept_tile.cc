@@ -10,6 +10,7 @@
 #include "src/input/bytes/fields.h"
 #include "src/input/bytes/record_stream.h"
 #include "src/input/bytes/unpack.h"
+#include "src/input/ept/ept_known.h"
 #include "src/input/las/decimal_axis.h"
 #include "src/input/las/las_reader.h"
 
@@ -169,10 +170,11 @@ std::vector<Attribute> attributes_of(const Info& info) {
   return attributes;
 }
 
-Result<std::unique_ptr<PointReader>> open_tile(const Info& info, const Node& node,
+Result<std::unique_ptr<PointReader>> open_tile(const ByteSource& ept, const Known& known, const Node& node,
                                                const std::vector<Attribute>& attributes, std::uint32_t threads) {
+  const Info& info = known.info;
   const auto path = tile_file(info, node.key);
-  BOOST_OUTCOME_TRY(source, open_beside(path));
+  BOOST_OUTCOME_TRY(source, known.files.open(ept, path));
   const auto differs = [&](std::uint64_t points) {
     return error(Errc::bad_input, path.string() + ": has " + std::to_string(points) +
                                       " points, and the hierarchy says that it has " + std::to_string(node.points));

@@ -10,9 +10,12 @@
 
 namespace tessera::ept {
 
-// Opens the tile of a node. Attributes are called as in LAS. Errors: those of reading; bad_input when the tile has
-// another number of points than the hierarchy says, or is not of the kind that ept.json says.
-Result<std::unique_ptr<PointReader>> open_tile(const Info& info, const Node& node,
+struct Known;
+
+// Opens the tile of a node. `ept`: the source of ept.json. Attributes are called as in LAS. Errors: those of reading;
+// bad_input when the tile has another number of points than the hierarchy says, or is not of the kind that ept.json
+// says.
+Result<std::unique_ptr<PointReader>> open_tile(const ByteSource& ept, const Known& known, const Node& node,
                                                const std::vector<Attribute>& attributes, std::uint32_t threads);
 
 // The attributes of binary tiles: all dimensions but the coordinates.

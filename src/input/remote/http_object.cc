@@ -1,7 +1,5 @@
 #include "src/input/remote/http_object.h"
 
-#include <curl/curl.h>
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -13,6 +11,8 @@
 #include <utility>
 
 #include "src/base/printable.h"
+#include "src/input/remote/curl_library.h"
+#include "src/input/remote/permits.h"
 
 namespace tessera::remote {
 namespace {
@@ -188,7 +188,9 @@ class HttpObject : public RangeReader {
   const std::string& name() const override { return name_; }
   std::uint64_t size() const override { return version_.size; }
   std::int64_t modified_ns() const override {
-    const auto seconds = version_.modified.empty() ? 0 : curl_getdate(version_.modified.c_str(), nullptr);
+    const auto curl = curl_library();
+    const auto seconds =
+        version_.modified.empty() || curl.has_error() ? 0 : curl.value()->getdate(version_.modified.c_str(), nullptr);
     return seconds > 0 ? std::int64_t{seconds} * 1'000'000'000 : 0;
   }
 
@@ -243,8 +245,8 @@ Result<HttpReply> ask_once(Transfers& transfers, const HttpRequest& request, con
 }
 
 // Where a redirect leads, if it may be followed.
-Result<Url> redirected(const HttpReply& reply, const HttpRequest& request, const std::string& scheme, int redirects,
-                       const std::string& name) {
+Result<Url> redirected(const Transfers& transfers, const HttpReply& reply, const HttpRequest& request,
+                       const std::string& scheme, int redirects, const std::string& name) {
   const auto refuse = [&](const std::string& what) { return error(Errc::io, name + ": " + what); };
   if (redirects == redirects_max) return refuse("the server leads from one address to the next without end");
   if (reply.redirect.empty()) return refuse("the server leads to another address, but does not say to which");
@@ -254,14 +256,21 @@ Result<Url> redirected(const HttpReply& reply, const HttpRequest& request, const
     return refuse("the server leads to " + next.value().shown + ", which must not get what is meant for this one");
   if (scheme == "https" && next.value().scheme != "https")
     return refuse("the server leads from https:// to " + next.value().shown + ", which is not encrypted");
+  if (const Permits* permits = transfers.permits()) {
+    const Status permitted = permits->check_address(next.value().address, next.value().shown);
+    if (permitted.has_error()) return refuse("the server leads to " + permitted.error().where);
+  }
   return next.value();
 }
 
 // Asks, and follows where the answers lead: to another region of a store, or to another address. Afterwards `request`
 // is the one that was answered.
-Result<HttpReply> ask_following(Transfers& transfers, HttpRequest& request, const Url& url,
+Result<HttpReply> ask_following(Transfers& transfers, HttpRequest& request, const Url& url, bool of_store,
                                 const std::stop_token& stop) {
   std::string scheme = url.scheme;
+  if (const Permits* permits = transfers.permits(); permits != nullptr && !of_store) {
+    BOOST_OUTCOME_TRYV(permits->check_address(url.address, url.shown));
+  }
   BOOST_OUTCOME_TRY(reply, ask_once(transfers, request, url.shown, stop));
   const std::string& other_region = header(reply, "x-amz-bucket-region");
   if (!request.region.empty() && reply.status >= 300 && is_region(other_region) && other_region != request.region) {
@@ -272,7 +281,7 @@ Result<HttpReply> ask_following(Transfers& transfers, HttpRequest& request, cons
     reply = std::move(again);
   }
   for (int redirects = 0; is_redirect(reply.status); ++redirects) {
-    BOOST_OUTCOME_TRY(next, redirected(reply, request, scheme, redirects, url.shown));
+    BOOST_OUTCOME_TRY(next, redirected(transfers, reply, request, scheme, redirects, url.shown));
     scheme = next.scheme;
     request.address = next.address;
     BOOST_OUTCOME_TRY(again, ask_once(transfers, request, url.shown, stop));
@@ -295,9 +304,10 @@ HttpRequest request_of(const Url& url, Asking asking, std::size_t bytes_max) {
 Result<OpenedObject> open_http(const Url& url, Asking asking, std::shared_ptr<Transfers> transfers,
                                std::size_t begin_bytes, std::stop_token stop) {
   const ByteRange begin{0, begin_bytes};
+  const bool of_store = asking.of_store;
   HttpRequest request = request_of(url, std::move(asking), begin_bytes);
   request.range = range_text(begin);
-  BOOST_OUTCOME_TRY(reply, ask_following(*transfers, request, url, stop));
+  BOOST_OUTCOME_TRY(reply, ask_following(*transfers, request, url, of_store, stop));
   BOOST_OUTCOME_TRY(got, checked_range(reply, begin, url.shown));
   if (!got.size)
     return error(Errc::bad_input, url.shown +
@@ -315,8 +325,9 @@ Result<OpenedObject> open_http(const Url& url, Asking asking, std::shared_ptr<Tr
 
 Result<std::vector<std::byte>> get_http(const Url& url, Asking asking, Transfers& transfers, std::size_t bytes_max,
                                         const std::stop_token& stop) {
+  const bool of_store = asking.of_store;
   HttpRequest request = request_of(url, std::move(asking), bytes_max);
-  BOOST_OUTCOME_TRY(reply, ask_following(transfers, request, url, stop));
+  BOOST_OUTCOME_TRY(reply, ask_following(transfers, request, url, of_store, stop));
   if (reply.status != 200) {
     if (auto refused = refusal(reply, url.shown)) return std::move(*refused);
   }

@@ -18,6 +18,8 @@ struct Asking {
   std::vector<std::string> headers = {};
   std::shared_ptr<const Signing> signing = {};
   std::string region = {};  // of the signature
+  // The address was made of a name s3://, which was checked. Other addresses are checked before they are asked.
+  bool of_store = false;
 };
 
 // An object, and the bytes that came with the first answer.

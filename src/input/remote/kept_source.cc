@@ -25,10 +25,11 @@ constexpr std::uint64_t page_after(std::uint64_t end) { return (end + page_bytes
 
 class KeptSource : public FarSource {
  public:
-  KeptSource(std::unique_ptr<RangeReader> object, std::shared_ptr<KeptPages> pages)
+  KeptSource(std::unique_ptr<RangeReader> object, std::shared_ptr<KeptPages> pages, OpenBeside beside)
       : object_(std::move(object)),
         path_(object_->name()),
         pages_(std::move(pages)),
+        beside_(std::move(beside)),
         number_(next_number.fetch_add(1)),
         near_bytes_(pages_->bytes_max() / 4) {}  // a quarter: several threads may bring at once
 
@@ -38,6 +39,18 @@ class KeptSource : public FarSource {
   // Every answer of the server was compared with the first one.
   Status check_unchanged() const override { return success(); }
   std::uint64_t near_bytes_max() const override { return near_bytes_; }
+  Result<std::shared_ptr<const ByteSource>> open_beside(const std::string& name,
+                                                        std::size_t first_bytes) const override {
+    return beside_(name, first_bytes);
+  }
+  std::shared_ptr<const Learnt> learnt() const override {
+    const std::lock_guard lock(mutex_);
+    return learnt_;
+  }
+  void learn(std::shared_ptr<const Learnt> what) const override {
+    const std::lock_guard lock(mutex_);
+    learnt_ = std::move(what);
+  }
 
   Status read(std::uint64_t offset, std::span<std::byte> out) const override {
     if (offset > size() || out.size() > size() - offset)
@@ -202,6 +215,8 @@ class KeptSource : public FarSource {
   mutable std::mutex mutex_;
   mutable std::condition_variable arrived_;
   std::shared_ptr<KeptPages> pages_;
+  OpenBeside beside_;
+  mutable std::shared_ptr<const Learnt> learnt_;
   inline static std::atomic<std::uint64_t> next_number{0};
   std::uint64_t number_;  // of the object, among all of the process
   mutable std::unordered_set<std::uint64_t> under_way_;
@@ -212,8 +227,8 @@ class KeptSource : public FarSource {
 }  // namespace
 
 Result<std::unique_ptr<FarSource>> keep_source(std::unique_ptr<RangeReader> object, std::vector<std::byte> begin,
-                                               std::shared_ptr<KeptPages> pages) {
-  auto source = std::make_unique<KeptSource>(std::move(object), std::move(pages));
+                                               std::shared_ptr<KeptPages> pages, OpenBeside beside) {
+  auto source = std::make_unique<KeptSource>(std::move(object), std::move(pages), std::move(beside));
   BOOST_OUTCOME_TRYV(source->put_begin(std::move(begin)));
   return std::unique_ptr<FarSource>(std::move(source));
 }

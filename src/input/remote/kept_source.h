@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "src/base/result.h"
@@ -12,9 +14,14 @@
 
 namespace tessera::remote {
 
-// `begin`: the object's first bytes. Reads of neighbouring bytes, one after the other, fetch ever larger pieces ahead.
-// Errors, also of read() and bring(): those of RangeReader::read() and KeptPages.
+// Opens another object in the way in which a source was opened.
+using OpenBeside =
+    std::function<Result<std::shared_ptr<const ByteSource>>(const std::string& name, std::size_t first_bytes)>;
+
+// `begin`: the object's first bytes. `beside`: for FarSource::open_beside(). Reads of neighbouring bytes, one after the
+// other, fetch ever larger pieces ahead. Errors, also of read() and bring(): those of RangeReader::read() and
+// KeptPages.
 Result<std::unique_ptr<FarSource>> keep_source(std::unique_ptr<RangeReader> object, std::vector<std::byte> begin,
-                                               std::shared_ptr<KeptPages> pages);
+                                               std::shared_ptr<KeptPages> pages, OpenBeside beside);
 
 }  // namespace tessera::remote

@@ -28,21 +28,20 @@ constexpr std::size_t begin_bytes = std::size_t{16} << 10;
 constexpr std::size_t stac_document_bytes_max = std::size_t{16} << 20;
 constexpr std::size_t stac_documents_max = 10'000, stac_files_max = 100'000;
 
-class RemoteObjects : public Objects {
+class RemoteObjects : public Objects, public std::enable_shared_from_this<RemoteObjects> {
  public:
   explicit RemoteObjects(RemoteOptions options)
       : pages_(std::make_shared<KeptPages>(std::move(options.folder), options.kept_bytes_max)),
         s3_options_(std::move(options.s3)),
-        ca_file_(std::move(options.ca_file)) {}
+        ca_file_(std::move(options.ca_file)),
+        permits_(std::move(options.permits)) {}
 
   Result<std::shared_ptr<const ByteSource>> open(const std::string& name, std::stop_token stop) override {
-    BOOST_OUTCOME_TRY(place, place_of(name));
-    BOOST_OUTCOME_TRY(opened, open_http(place.url, std::move(place.asking), transfers(), begin_bytes, std::move(stop)));
-    BOOST_OUTCOME_TRY(source, keep_source(std::move(opened.object), std::move(opened.begin), pages_));
-    return std::shared_ptr<const ByteSource>(std::move(source));
+    return open_first(name, begin_bytes, stop);
   }
 
   Result<std::vector<std::string>> names(const std::string& name, bool recursive, std::stop_token stop) override {
+    BOOST_OUTCOME_TRYV(permitted(name));
     if (is_stac_name(name)) return stac_files(name, recursive, stop);
     if (!is_s3(name) || (!name.ends_with('/') && name.find('/', 5) != std::string::npos)) return std::vector{name};
     BOOST_OUTCOME_TRY(access, s3_access());
@@ -59,9 +58,40 @@ class RemoteObjects : public Objects {
       BOOST_OUTCOME_TRY(url, parse_url(name));
       return Place{std::move(url), {}};
     }
+    BOOST_OUTCOME_TRYV(permitted(name));
     BOOST_OUTCOME_TRY(access, s3_access());
     BOOST_OUTCOME_TRY(url, s3_address(name, access));
     return Place{std::move(url), access.asking()};
+  }
+
+  // Opens an object, and asks for its first bytes.
+  Result<std::shared_ptr<const ByteSource>> open_first(const std::string& name, std::size_t first_bytes,
+                                                       const std::stop_token& stop) {
+    BOOST_OUTCOME_TRY(place, place_of(name));
+    BOOST_OUTCOME_TRY(opened, open_http(place.url, std::move(place.asking), transfers(), first_bytes, stop));
+    const auto beside = [self = shared_from_this(), stop](const std::string& other, std::size_t bytes) {
+      return self->open_first(other, bytes, stop);
+    };
+    BOOST_OUTCOME_TRY(source, keep_source(std::move(opened.object), std::move(opened.begin), pages_, beside));
+    return std::shared_ptr<const ByteSource>(std::move(source));
+  }
+
+  // Whether this process may ask for what a name means.
+  Status permitted(const std::string& name) const {
+    if (!permits_) return success();
+    if (is_s3(name)) return permits_->check_s3(name);
+    return permits_->check_address(name, without_secrets(name));
+  }
+
+  // Whether it may ask for all that a document names.
+  Status permitted(const StacDocument& document, bool recursive) const {
+    for (const auto* names : {&document.files, &document.documents, &document.below}) {
+      if (names == &document.below && !recursive) continue;
+      for (const auto& name : *names) {
+        BOOST_OUTCOME_TRYV(permitted(name));
+      }
+    }
+    return success();
   }
 
   // The point files of a document of STAC and of those to which it leads, sorted, each once.
@@ -84,6 +114,9 @@ class RemoteObjects : public Objects {
       const auto parsed = parse_stac(as_text(bytes), document);
       if (parsed.has_error())
         return error(parsed.error().code, without_secrets(document) + ": " + parsed.error().where);
+      const Status allowed = permitted(parsed.value(), recursive);
+      if (allowed.has_error())
+        return error(allowed.error().code, without_secrets(document) + ": names " + allowed.error().where);
       files.insert(parsed.value().files.begin(), parsed.value().files.end());
       add(parsed.value().documents);
       if (recursive) add(parsed.value().below);
@@ -101,7 +134,7 @@ class RemoteObjects : public Objects {
 
   std::shared_ptr<Transfers> transfers() {
     const std::lock_guard lock(mutex_);
-    if (!transfers_) transfers_ = std::make_shared<Transfers>(Patience{}, ca_file_);
+    if (!transfers_) transfers_ = std::make_shared<Transfers>(Patience{}, ca_file_, permits_);
     return transfers_;
   }
 
@@ -115,12 +148,20 @@ class RemoteObjects : public Objects {
   std::shared_ptr<KeptPages> pages_;
   S3Options s3_options_;
   std::string ca_file_;
+  std::shared_ptr<const Permits> permits_;
   std::optional<Result<S3Access>> s3_access_;
   std::mutex mutex_;
   std::shared_ptr<Transfers> transfers_;
 };
 
 }  // namespace
+
+std::string ca_file_of(const std::function<const char*(const char*)>& variable) {
+  std::string file;
+  for (const char* name : {"SSL_CERT_FILE", "CURL_CA_BUNDLE"})  // the last one counts
+    if (const char* named = variable(name)) file = named;
+  return file;
+}
 
 std::shared_ptr<Objects> remote_objects(RemoteOptions options) {
   return std::make_shared<RemoteObjects>(std::move(options));

@@ -111,7 +111,7 @@ bool is_bucket(std::string_view name) {
 }  // namespace
 
 Asking S3Access::asking() const {
-  Asking asking{.headers = {}, .signing = signing, .region = region};
+  Asking asking{.headers = {}, .signing = signing, .region = region, .of_store = true};
   if (requester_pays) asking.headers.push_back("x-amz-request-payer: requester");
   return asking;
 }
@@ -154,6 +154,9 @@ Result<Url> s3_address(const std::string& name, const S3Access& access) {
     return error(Errc::usage, shown +
                                   ": names no bucket, as s3://bucket/folder/file.laz does; a bucket has 3 to 63 "
                                   "small letters, digits, points and dashes");
+  // An address has no such parts, so another object would be asked for.
+  if (const std::string parts = "/" + key + "/"; parts.find("/../") != parts.npos || parts.find("/./") != parts.npos)
+    return error(Errc::usage, shown + ": has a part '.' or '..', which no address has");
   std::string address;
   if (!access.endpoint.empty()) {
     BOOST_OUTCOME_TRY(endpoint, parse_url(access.endpoint));

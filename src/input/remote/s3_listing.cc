@@ -1,6 +1,5 @@
 #include "src/input/remote/s3_listing.h"
 
-#include <curl/curl.h>
 #include <expat.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/input/format.h"
+#include "src/input/remote/curl_library.h"
 #include "src/input/remote/http_object.h"
 
 namespace tessera::remote {
@@ -22,7 +22,7 @@ constexpr std::size_t listed_files_max = 1'000'000;
 // Takes what is needed of the elements of a page.
 class PageTaker {
  public:
-  explicit PageTaker(S3Page& page) : page_(page) {}
+  PageTaker(const CurlLibrary& curl, S3Page& page) : curl_(curl), page_(page) {}
   void begin(std::string_view) {
     text_.clear();
     ++depth_;
@@ -45,28 +45,30 @@ class PageTaker {
   // Keys come as in addresses (encoding-type=url), because XML has no way to write some characters.
   std::string decoded() const {
     int length = 0;
-    const std::unique_ptr<char, decltype(&curl_free)> plain(
-        curl_easy_unescape(nullptr, text_.data(), static_cast<int>(text_.size()), &length), curl_free);
+    const std::unique_ptr<char, decltype(curl_.free)> plain(
+        curl_.easy_unescape(nullptr, text_.data(), static_cast<int>(text_.size()), &length), curl_.free);
     return plain ? std::string(plain.get(), static_cast<std::size_t>(length)) : text_;
   }
 
+  const CurlLibrary& curl_;
   S3Page& page_;
   std::string text_;
   int depth_ = 0;
   bool whole_ = false, truncated_ = false, refused_ = false;
 };
 
-std::string escaped(const std::string& text) {
-  const std::unique_ptr<char, decltype(&curl_free)> made(
-      curl_easy_escape(nullptr, text.data(), static_cast<int>(text.size())), curl_free);
+std::string escaped(const CurlLibrary& curl, const std::string& text) {
+  const std::unique_ptr<char, decltype(curl.free)> made(
+      curl.easy_escape(nullptr, text.data(), static_cast<int>(text.size())), curl.free);
   return made ? made.get() : "";
 }
 
 }  // namespace
 
 Result<S3Page> parse_s3_page(std::span<const std::byte> xml) {
+  BOOST_OUTCOME_TRY(curl, curl_library());
   S3Page page;
-  PageTaker taker(page);
+  PageTaker taker(*curl, page);
   const std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr),
                                                                                              &XML_ParserFree);
   if (!parser) return error(Errc::memory, "no memory for reading XML");
@@ -95,16 +97,19 @@ Result<std::vector<std::string>> list_s3(const std::string& name, bool recursive
   const auto slash = name.find('/', 5);
   const std::string bucket = name.substr(0, slash) + "/", folder = slash == name.npos ? "" : name.substr(slash + 1);
   BOOST_OUTCOME_TRY(url, s3_address(bucket, access));
+  BOOST_OUTCOME_TRY(curl, curl_library());
   std::vector<std::string> names;
   bool folders = false;
   S3Page page;
   do {
     // Sorted by their names, because a signature is of the sorted parameters.
-    std::string parameters = page.next.empty() ? "" : "continuation-token=" + escaped(page.next) + "&";
+    std::string parameters = page.next.empty() ? "" : "continuation-token=" + escaped(*curl, page.next) + "&";
     if (!recursive) parameters += "delimiter=%2F&";
-    parameters += "encoding-type=url&list-type=2&prefix=" + escaped(folder);
-    BOOST_OUTCOME_TRY(answer, get_http({url.address + "?" + parameters, name, url.scheme, url.host}, access.asking(),
-                                       transfers, page_of_listing_bytes_max, stop));
+    parameters += "encoding-type=url&list-type=2&prefix=" + escaped(*curl, folder);
+    Url page_url = url;
+    page_url.address += "?" + parameters;
+    page_url.shown = name;
+    BOOST_OUTCOME_TRY(answer, get_http(page_url, access.asking(), transfers, page_of_listing_bytes_max, stop));
     auto parsed = parse_s3_page(answer);
     if (parsed.has_error()) return error(parsed.error().code, printable(name) + ": " + parsed.error().where);
     page = std::move(parsed).value();

@@ -1,7 +1,5 @@
 #include "src/input/remote/stac.h"
 
-#include <curl/curl.h>
-
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -10,6 +8,7 @@
 #include "src/input/bytes/objects.h"
 #include "src/input/ept/ept_names.h"
 #include "src/input/format.h"
+#include "src/input/remote/curl_library.h"
 
 namespace tessera::remote {
 namespace {
@@ -25,22 +24,23 @@ std::string text_at(const Json& object, const char* key) {
 }
 
 // A reference as a whole address; "" if it is none.
-std::string resolved(const std::string& address, const std::string& reference) {
-  const std::unique_ptr<CURLU, decltype(&curl_url_cleanup)> url(curl_url(), curl_url_cleanup);
+std::string resolved(const CurlLibrary& curl, const std::string& address, const std::string& reference) {
+  const std::unique_ptr<CURLU, decltype(curl.url_cleanup)> url(curl.url(), curl.url_cleanup);
   constexpr unsigned flags = CURLU_NON_SUPPORT_SCHEME | CURLU_URLENCODE;
-  if (!url || curl_url_set(url.get(), CURLUPART_URL, address.c_str(), flags) != CURLUE_OK ||
-      curl_url_set(url.get(), CURLUPART_URL, reference.c_str(), flags) != CURLUE_OK)
+  if (!url || curl.url_set(url.get(), CURLUPART_URL, address.c_str(), flags) != CURLUE_OK ||
+      curl.url_set(url.get(), CURLUPART_URL, reference.c_str(), flags) != CURLUE_OK)
     return "";
   char* whole = nullptr;
-  if (curl_url_get(url.get(), CURLUPART_URL, &whole, 0) != CURLUE_OK) return "";
+  if (curl.url_get(url.get(), CURLUPART_URL, &whole, 0) != CURLUE_OK) return "";
   std::string text(whole);
-  curl_free(whole);
+  curl.free(whole);
   return text;
 }
 
 class StacReader {
  public:
-  StacReader(const std::string& address, StacDocument& document) : address_(address), document_(document) {}
+  StacReader(const CurlLibrary& curl, const std::string& address, StacDocument& document)
+      : curl_(curl), address_(address), document_(document) {}
 
   void read(const Json& object) {
     add_assets(object);
@@ -74,10 +74,11 @@ class StacReader {
   }
 
   void add(const std::string& reference, std::vector<std::string>& to) const {
-    std::string whole = resolved(address_, reference);
+    std::string whole = resolved(curl_, address_, reference);
     if (!reference.empty() && names_object(whole)) to.push_back(std::move(whole));
   }
 
+  const CurlLibrary& curl_;
   const std::string& address_;
   StacDocument& document_;
 };
@@ -100,7 +101,8 @@ Result<StacDocument> parse_stac(std::string_view text, const std::string& addres
   if (type != "Feature" && type != "FeatureCollection" && type != "Collection" && type != "Catalog")
     return error(Errc::bad_input, "is JSON, but no item, collection or catalog of STAC, which would list point files");
   StacDocument document;
-  StacReader(address, document).read(object);
+  BOOST_OUTCOME_TRY(curl, curl_library());
+  StacReader(*curl, address, document).read(object);
   return document;
 }
 

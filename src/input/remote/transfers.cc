@@ -1,6 +1,7 @@
 #include "src/input/remote/transfers.h"
 
-#include <curl/curl.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,9 @@
 #include <utility>
 
 #include "src/base/printable.h"
+#include "src/input/remote/curl_library.h"
+#include "src/input/remote/permits.h"
+#include "src/input/remote/url.h"
 
 namespace tessera::remote {
 namespace {
@@ -32,11 +36,14 @@ struct Transfer {
 
 // An answer while it arrives.
 struct Arriving {
-  Transfer transfer;
+  const CurlLibrary& curl;
+  Transfer transfer = {};
   CURL* handle = nullptr;
   curl_slist* headers = nullptr;
   std::size_t header_bytes = 0;
   bool too_long = false;
+  std::string host = {};     // of the request, where addresses are checked
+  std::string refused = {};  // the number of an address to which no connection may be made
   std::array<char, CURL_ERROR_SIZE> reason{};
 };
 
@@ -71,7 +78,7 @@ std::size_t take_body(char* bytes, std::size_t, std::size_t count, void* to) {
   auto& arriving = *static_cast<Arriving*>(to);
   auto& body = arriving.transfer.reply->body;
   long status = 0;
-  curl_easy_getinfo(arriving.handle, CURLINFO_RESPONSE_CODE, &status);
+  arriving.curl.easy_getinfo(arriving.handle, CURLINFO_RESPONSE_CODE, &status);
   const auto from = std::as_bytes(std::span(bytes, count));
   if (status == 200 && !arriving.transfer.request->range.empty()) return 0;  // the whole object, which may be large
   if (status != 206 && status != 200) {
@@ -85,6 +92,18 @@ std::size_t take_body(char* bytes, std::size_t, std::size_t count, void* to) {
   }
   body.insert(body.end(), from.begin(), from.end());
   return count;
+}
+
+// Makes the socket of a connection, unless its address leads inward.
+curl_socket_t open_socket(void* to, curlsocktype, curl_sockaddr* address) try {
+  auto& arriving = *static_cast<Arriving*>(to);
+  if (leads_inward(address->addr) && !is_number_of(arriving.host, address->addr)) {
+    arriving.refused = address_number(address->addr);
+    return CURL_SOCKET_BAD;
+  }
+  return ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
+} catch (const std::bad_alloc&) {
+  return CURL_SOCKET_BAD;
 }
 
 // Whether the next try may end otherwise.
@@ -104,16 +123,17 @@ bool is_passing(CURLcode code) {
   }
 }
 
-void sign(CURL* handle, const HttpRequest& request) {
-  curl_easy_setopt(handle, CURLOPT_AWS_SIGV4, ("aws:amz:" + request.region + ":s3").c_str());
-  curl_easy_setopt(handle, CURLOPT_USERNAME, request.signing->key.c_str());
-  curl_easy_setopt(handle, CURLOPT_PASSWORD, request.signing->secret.c_str());
+void sign(const CurlLibrary& curl, CURL* handle, const HttpRequest& request) {
+  curl.easy_setopt(handle, CURLOPT_AWS_SIGV4, ("aws:amz:" + request.region + ":s3").c_str());
+  curl.easy_setopt(handle, CURLOPT_USERNAME, request.signing->key.c_str());
+  curl.easy_setopt(handle, CURLOPT_PASSWORD, request.signing->secret.c_str());
 }
 
 }  // namespace
 
 struct Transfers::Impl {
-  Impl(const Patience& how_long, std::string trusted) : patience(how_long), ca_file(std::move(trusted)) {}
+  Impl(const CurlLibrary& library, const Patience& how_long, std::string trusted, std::shared_ptr<const Permits> given)
+      : curl(library), patience(how_long), ca_file(std::move(trusted)), permits(std::move(given)) {}
 
   void begin(const Transfer& transfer);
   void end(std::size_t index, CURLcode code);
@@ -123,8 +143,11 @@ struct Transfers::Impl {
   void drop_given_up();
   void finish_arrived();
 
+  const CurlLibrary& curl;
+  const pid_t process = ::getpid();
   Patience patience;
   std::string ca_file;
+  std::shared_ptr<const Permits> permits;
   CURLM* multi = nullptr;
   std::mutex mutex;
   std::condition_variable_any done;
@@ -135,43 +158,50 @@ struct Transfers::Impl {
 };
 
 void Transfers::Impl::begin(const Transfer& transfer) {
-  auto arriving = std::make_unique<Arriving>();
+  auto arriving = std::make_unique<Arriving>(Arriving{.curl = curl});
   arriving->transfer = transfer;
-  CURL* handle = arriving->handle = curl_easy_init();
+  CURL* handle = arriving->handle = curl.easy_init();
   if (handle == nullptr) {
     transfer.reply->failure = "no memory is left to ask for it";
     finished(transfer);
     return;
   }
   const HttpRequest& request = *transfer.request;
-  for (const auto& header : request.headers) arriving->headers = curl_slist_append(arriving->headers, header.c_str());
+  for (const auto& header : request.headers) arriving->headers = curl.slist_append(arriving->headers, header.c_str());
   if (request.signing && !request.signing->token.empty()) {
     const std::string token = "x-amz-security-token: " + request.signing->token;
-    arriving->headers = curl_slist_append(arriving->headers, token.c_str());
+    arriving->headers = curl.slist_append(arriving->headers, token.c_str());
   }
-  curl_easy_setopt(handle, CURLOPT_URL, request.address.c_str());
-  curl_easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
-  curl_easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 0L);
-  curl_easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
+  curl.easy_setopt(handle, CURLOPT_URL, request.address.c_str());
+  curl.easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
+  curl.easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 0L);
+  curl.easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
   // One connection for each request under way: a single one is as fast as one stream of TCP.
-  curl_easy_setopt(handle, CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
-  curl_easy_setopt(handle, CURLOPT_HTTP09_ALLOWED, 0L);
-  curl_easy_setopt(handle, CURLOPT_USERAGENT, "tessera");
-  if (!request.range.empty()) curl_easy_setopt(handle, CURLOPT_RANGE, request.range.c_str());
-  if (request.signing) sign(handle, request);
-  if (!ca_file.empty()) curl_easy_setopt(handle, CURLOPT_CAINFO, ca_file.c_str());
-  curl_easy_setopt(handle, CURLOPT_HTTPHEADER, arriving->headers);
-  curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS, patience.connect_ms);
-  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, patience.slow_bytes);
-  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, patience.slow_s);
-  curl_easy_setopt(handle, CURLOPT_TIMEOUT, patience.whole_s);
-  curl_easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
-  curl_easy_setopt(handle, CURLOPT_HEADERDATA, arriving.get());
-  curl_easy_setopt(handle, CURLOPT_WRITEFUNCTION, take_body);
-  curl_easy_setopt(handle, CURLOPT_WRITEDATA, arriving.get());
-  curl_easy_setopt(handle, CURLOPT_ERRORBUFFER, arriving->reason.data());
-  curl_easy_setopt(handle, CURLOPT_PRIVATE, arriving.get());
-  curl_multi_add_handle(multi, handle);
+  curl.easy_setopt(handle, CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
+  curl.easy_setopt(handle, CURLOPT_HTTP09_ALLOWED, 0L);
+  curl.easy_setopt(handle, CURLOPT_USERAGENT, "tessera");
+  if (!request.range.empty()) curl.easy_setopt(handle, CURLOPT_RANGE, request.range.c_str());
+  if (request.signing) sign(curl, handle, request);
+  if (!ca_file.empty()) curl.easy_setopt(handle, CURLOPT_CAINFO, ca_file.c_str());
+  if (permits) {
+    const auto url = parse_url(request.address);
+    if (url.has_value()) arriving->host = url.value().host;
+    curl.easy_setopt(handle, CURLOPT_PROXY, "");  // a proxy would connect to what this process must not
+    curl.easy_setopt(handle, CURLOPT_OPENSOCKETFUNCTION, open_socket);
+    curl.easy_setopt(handle, CURLOPT_OPENSOCKETDATA, arriving.get());
+  }
+  curl.easy_setopt(handle, CURLOPT_HTTPHEADER, arriving->headers);
+  curl.easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS, patience.connect_ms);
+  curl.easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, patience.slow_bytes);
+  curl.easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, patience.slow_s);
+  curl.easy_setopt(handle, CURLOPT_TIMEOUT, patience.whole_s);
+  curl.easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
+  curl.easy_setopt(handle, CURLOPT_HEADERDATA, arriving.get());
+  curl.easy_setopt(handle, CURLOPT_WRITEFUNCTION, take_body);
+  curl.easy_setopt(handle, CURLOPT_WRITEDATA, arriving.get());
+  curl.easy_setopt(handle, CURLOPT_ERRORBUFFER, arriving->reason.data());
+  curl.easy_setopt(handle, CURLOPT_PRIVATE, arriving.get());
+  curl.multi_add_handle(multi, handle);
   under_way.push_back(std::move(arriving));
 }
 
@@ -188,21 +218,25 @@ void Transfers::Impl::end(std::size_t index, CURLcode code) {
   Arriving& arriving = *under_way[index];
   HttpReply& reply = *arriving.transfer.reply;
   long status = 0;
-  curl_easy_getinfo(arriving.handle, CURLINFO_RESPONSE_CODE, &status);
+  curl.easy_getinfo(arriving.handle, CURLINFO_RESPONSE_CODE, &status);
   reply.status = static_cast<int>(status);
   const char* redirect = nullptr;
-  curl_easy_getinfo(arriving.handle, CURLINFO_REDIRECT_URL, &redirect);
+  curl.easy_getinfo(arriving.handle, CURLINFO_REDIRECT_URL, &redirect);
   if (redirect != nullptr) reply.redirect = redirect;
   const bool cut_short = code == CURLE_WRITE_ERROR && !arriving.too_long;  // by take_body(), which has seen enough
   if (arriving.too_long) {
     reply.failure = "its answer is longer than what was asked for";
+  } else if (code != CURLE_OK && !arriving.refused.empty()) {
+    reply.failure = "its name leads to " + arriving.refused +
+                    ", an address of this machine or of what serves machines about themselves, to which this service "
+                    "connects only if a prefix names the number itself";
   } else if (code != CURLE_OK && !cut_short) {
-    reply.failure = printable(arriving.reason[0] != 0 ? arriving.reason.data() : curl_easy_strerror(code));
+    reply.failure = printable(arriving.reason[0] != 0 ? arriving.reason.data() : curl.easy_strerror(code));
     reply.passing = is_passing(code);
   }
-  curl_multi_remove_handle(multi, arriving.handle);
-  curl_easy_cleanup(arriving.handle);
-  curl_slist_free_all(arriving.headers);
+  curl.multi_remove_handle(multi, arriving.handle);
+  curl.easy_cleanup(arriving.handle);
+  curl.slist_free_all(arriving.headers);
   finished(arriving.transfer);
   under_way.erase(under_way.begin() + static_cast<std::ptrdiff_t>(index));
 }
@@ -234,7 +268,7 @@ void Transfers::Impl::drop_given_up() {
 
 void Transfers::Impl::finish_arrived() {
   int more = 0;
-  while (const CURLMsg* message = curl_multi_info_read(multi, &more)) {
+  while (const CURLMsg* message = curl.multi_info_read(multi, &more)) {
     if (message->msg != CURLMSG_DONE) continue;
     const auto found = std::find_if(under_way.begin(), under_way.end(),
                                     [&](const auto& each) { return each->handle == message->easy_handle; });
@@ -251,35 +285,40 @@ void Transfers::Impl::loop() {
     start_waiting();
     drop_given_up();
     int running = 0;
-    curl_multi_perform(multi, &running);
+    curl.multi_perform(multi, &running);
     finish_arrived();
     const auto has_waiting = [&] {
       const std::lock_guard lock(mutex);
       return !waiting.empty() && under_way.size() < in_flight_max;
     };
     constexpr int second_ms = 1000;
-    if (!has_waiting()) curl_multi_poll(multi, nullptr, 0, second_ms, nullptr);
+    if (!has_waiting()) curl.multi_poll(multi, nullptr, 0, second_ms, nullptr);
   }
 }
 
-Transfers::Transfers(const Patience& patience, std::string ca_file)
-    : impl_(std::make_unique<Impl>(patience, std::move(ca_file))) {
-  static const CURLcode ready = curl_global_init(CURL_GLOBAL_DEFAULT);
-  impl_->multi = ready == CURLE_OK ? curl_multi_init() : nullptr;
+Transfers::Transfers(const Patience& patience, std::string ca_file, std::shared_ptr<const Permits> permits)
+    : impl_(std::make_unique<Impl>(*curl_library().value(), patience, std::move(ca_file), std::move(permits))) {
+  impl_->multi = impl_->curl.multi_init();
   if (impl_->multi == nullptr) throw std::bad_alloc();
-  curl_multi_setopt(impl_->multi, CURLMOPT_MAXCONNECTS, long{in_flight_max});
+  impl_->curl.multi_setopt(impl_->multi, CURLMOPT_MAXCONNECTS, long{in_flight_max});
   impl_->thread = std::jthread([impl = impl_.get()] { impl->loop(); });
 }
 
 Transfers::~Transfers() {
+  if (impl_->process != ::getpid()) {  // the thread is the parent's
+    static_cast<void>(impl_.release());
+    return;
+  }
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->closing = true;
   }
-  curl_multi_wakeup(impl_->multi);
+  impl_->curl.multi_wakeup(impl_->multi);
   impl_->thread.join();
-  curl_multi_cleanup(impl_->multi);
+  impl_->curl.multi_cleanup(impl_->multi);
 }
+
+const Permits* Transfers::permits() const { return impl_->permits.get(); }
 
 Result<std::vector<HttpReply>> Transfers::run(const std::vector<HttpRequest>& requests, const std::stop_token& stop) {
   std::vector<HttpReply> replies(requests.size());
@@ -289,7 +328,7 @@ Result<std::vector<HttpReply>> Transfers::run(const std::vector<HttpRequest>& re
   std::unique_lock lock(impl_->mutex);
   for (std::size_t i = 0; i < requests.size(); ++i) impl_->waiting.push_back({&call, &requests[i], &replies[i]});
   lock.unlock();
-  curl_multi_wakeup(impl_->multi);
+  impl_->curl.multi_wakeup(impl_->multi);
   lock.lock();
   if (impl_->done.wait(lock, stop, [&] { return call.left == 0; })) return replies;
   call.given_up = true;
@@ -302,7 +341,7 @@ Result<std::vector<HttpReply>> Transfers::run(const std::vector<HttpRequest>& re
     it = waiting.erase(it);
     --call.left;
   }
-  curl_multi_wakeup(impl_->multi);
+  impl_->curl.multi_wakeup(impl_->multi);
   impl_->done.wait(lock, [&] { return call.left == 0; });
   return error(Errc::interrupted, "interrupted while objects were read");
 }

@@ -47,14 +47,23 @@ struct HttpReply {
   std::string redirect;                        // where an answer of status 3xx leads
 };
 
+class Permits;
+
 // Thread-safe. One thread of this object moves all bytes.
 class Transfers {
  public:
-  // `ca_file`: certificates (PEM) that https trusts; empty: those of the system.
-  explicit Transfers(const Patience& patience, std::string ca_file = {});
+  // `ca_file`: certificates (PEM) that https trusts; empty: those of the system. `permits`: if given, no proxy is used,
+  // and no connection is made to an address that leads inward (permits.h), unless the host of the request is the number
+  // of this address. The address is that of the connection itself, whatever a name has meant before. What calls run()
+  // checks the requests. REQUIRES: curl_library() has succeeded.
+  explicit Transfers(const Patience& patience, std::string ca_file = {}, std::shared_ptr<const Permits> permits = {});
   Transfers(const Transfers&) = delete;
   Transfers& operator=(const Transfers&) = delete;
-  ~Transfers();  // REQUIRES: no call of run() is under way
+  // REQUIRES: no call of run() is under way. In a child that was forked since, where the thread does not exist, this is
+  // the only function that may be called.
+  ~Transfers();
+
+  const Permits* permits() const;  // null: there are none
 
   // Sends the requests, and returns their replies in the same order. Redirects are not followed. Error interrupted soon
   // after `stop`.

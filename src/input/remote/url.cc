@@ -1,24 +1,23 @@
 #include "src/input/remote/url.h"
 
-#include <curl/curl.h>
-
 #include <algorithm>
 #include <cctype>
 #include <memory>
 #include <utility>
 
 #include "src/base/printable.h"
+#include "src/input/remote/curl_library.h"
 
 namespace tessera::remote {
 namespace {
 
-using Handle = std::unique_ptr<CURLU, decltype(&curl_url_cleanup)>;
+using Handle = std::unique_ptr<CURLU, decltype(CurlLibrary::url_cleanup)>;
 
-std::string part(const Handle& url, CURLUPart which) {
+std::string part(const CurlLibrary& curl, const Handle& url, CURLUPart which, unsigned flags = 0) {
   char* text = nullptr;
-  if (curl_url_get(url.get(), which, &text, 0) != CURLUE_OK) return "";
+  if (curl.url_get(url.get(), which, &text, flags) != CURLUE_OK) return "";
   std::string copied(text);
-  curl_free(text);
+  curl.free(text);
   return copied;
 }
 
@@ -44,21 +43,28 @@ std::string without_secrets(const std::string& text) {
 Result<Url> parse_url(const std::string& text) {
   const std::string shown = without_secrets(text);
   const auto refuse = [&](const std::string& what) { return error(Errc::usage, shown + ": " + what); };
-  const Handle url(curl_url(), curl_url_cleanup);
+  BOOST_OUTCOME_TRY(library, curl_library());
+  const CurlLibrary& curl = *library;
+  const Handle url(curl.url(), curl.url_cleanup);
   if (!url) return error(Errc::memory, shown + ": no memory is left to read its address");
   const std::string scheme = lower(text.substr(0, text.find("://")));
   if (scheme != "http" && scheme != "https")
     return refuse("objects are read by https://, http:// and s3://, not by " + printable(scheme) + "://");
   // A blank in the path is a mistake of people, not of programs: it is sent as %20.
-  if (curl_url_set(url.get(), CURLUPART_URL, text.c_str(), CURLU_URLENCODE) != CURLUE_OK)
+  if (curl.url_set(url.get(), CURLUPART_URL, text.c_str(), CURLU_URLENCODE) != CURLUE_OK)
     return refuse("is no address of an object, as https://host/folder/file.laz is");
-  if (!part(url, CURLUPART_USER).empty() || !part(url, CURLUPART_PASSWORD).empty())
+  if (!part(curl, url, CURLUPART_USER).empty() || !part(curl, url, CURLUPART_PASSWORD).empty())
     return refuse("its address has a user name or password, which would be kept in the result; leave it out");
-  curl_url_set(url.get(), CURLUPART_FRAGMENT, nullptr, 0);
-  std::string host = lower(part(url, CURLUPART_HOST));
+  curl.url_set(url.get(), CURLUPART_FRAGMENT, nullptr, 0);
+  std::string host = lower(part(curl, url, CURLUPART_HOST));
   if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.size() - 2);
   if (host.empty()) return refuse("names no host");
-  return Url{part(url, CURLUPART_URL), shown, scheme, std::move(host)};
+  return Url{part(curl, url, CURLUPART_URL),
+             shown,
+             scheme,
+             std::move(host),
+             part(curl, url, CURLUPART_PORT, CURLU_DEFAULT_PORT),
+             part(curl, url, CURLUPART_PATH)};
 }
 
 }  // namespace tessera::remote

@@ -12,6 +12,8 @@ struct Url {
   std::string shown;    // without what follows '?', which may be a signature
   std::string scheme;   // "http" or "https"
   std::string host;     // in lower case; an IPv6 address without brackets
+  std::string port;     // in digits, also when the address has none
+  std::string path;     // "/a%20b/c.las", without dot segments
 };
 
 // Parses https://host[:port]/path[?parameters] or http://... Error usage for other schemes and for what is no such

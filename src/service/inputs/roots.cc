@@ -14,6 +14,7 @@
 
 #include "src/base/ledger.h"
 #include "src/base/option.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/cloud/inputs.h"
 #include "src/input/format.h"
 #include "src/service/beneath.h"
@@ -195,6 +196,22 @@ std::string Roots::named(std::string sentence) const {
   return sentence;
 }
 
+namespace {
+
+// The objects that an address stands for, which are those that the operator allows (Objects).
+Result<std::vector<std::string>> objects_of(const std::string& address, bool recursive) {
+  if (const auto end = address.find_first_of("?#"); end != std::string::npos)
+    return error(Errc::usage,
+                 "inputs: '" + address.substr(0, address.find_first_of("?#@")) +
+                     "' has more behind its path, which may be a signature and would be kept with the job");
+  auto names = object_names(address, recursive, Ledger::token_of_thread());
+  if (!names) return error(names.error().code, "inputs: " + names.error().where);
+  BOOST_OUTCOME_TRYV(Ledger::draw_files(names.value().size()));
+  return names;
+}
+
+}  // namespace
+
 Result<std::vector<std::string>> Roots::files_of(const std::string& input, bool recursive) const {
   const auto refuse = [&](const std::string& reason) {
     return error(Errc::usage, "inputs: '" + input + "' " + reason);
@@ -202,6 +219,7 @@ Result<std::vector<std::string>> Roots::files_of(const std::string& input, bool 
   if (input.empty()) return error(Errc::usage, "inputs: one of the names is empty");
   if (input == "-") return refuse("is standard input, which a service does not have");
   if (input.find('\0') != std::string::npos) return refuse("holds a zero byte");
+  if (names_object(input) && reads_objects()) return objects_of(input, recursive);
   if (input.find("://") != std::string::npos) return refuse("is an address, and the service fetches none: give files");
   const auto told = [](Error wrong) { return error(wrong.code, "inputs: " + wrong.where); };
   if (input.starts_with(upload_begin)) {

@@ -29,8 +29,10 @@ class Roots {
   // The files that these inputs mean, in the order of find_inputs() (src/input/cloud). Inputs are files, folders and
   // patterns, absolute or relative to a root (the first root in which they are found), or "upload:NAME/FILE". Each file
   // was opened below its root and is a regular file; its real path is returned, once. Errors: usage for an input that
-  // leads out of the roots, for a pattern with "..", for standard input and for addresses; io for a missing file; those
-  // of the thread's ledger (src/base/ledger.h), from which each name that is looked at is drawn.
+  // leads out of the roots, for a pattern with "..", for standard input and for addresses that the process does not
+  // open (src/input/bytes/objects.h); io for a missing file; those of Objects::names(); those of the thread's ledger
+  // (src/base/ledger.h), from which each name that is looked at is drawn. An address stands for objects, which are
+  // returned by their names, and opened later.
   Result<std::vector<std::string>> files(const std::vector<std::string>& inputs, bool recursive) const;
 
   // The sentence with the files in these folders named as callers name them: relative to the root, or

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "src/base/files/descriptor.h"
+#include "src/base/ledger.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/format.h"
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
@@ -32,6 +35,17 @@ void add_surface(const Manifest& manifest, std::uint64_t memory_bytes, unsigned 
   estimate.set_tiles(manifest.tiles.size());
   estimate.set_memory_bytes(memory_bytes);
   estimate.set_seconds(static_cast<double>(manifest.vertices) / (terrain_rate * std::max(1u, threads)));
+}
+
+// Whether the first bytes of an object are those of a compressed file.
+Result<bool> is_packed_object(const std::string& name) {
+  BOOST_OUTCOME_TRY(source, open_object(name, Ledger::token_of_thread()));
+  std::array<std::byte, format_bytes> begin{};
+  const auto there =
+      std::span(begin).first(static_cast<std::size_t>(std::min<std::uint64_t>(begin.size(), source->size())));
+  BOOST_OUTCOME_TRYV(source->read(0, there));
+  const auto format = format_of(there, source->content_name());
+  return format == FileFormat::gzip || format == FileFormat::zstd;
 }
 
 }  // namespace
@@ -157,6 +171,11 @@ Ledger::Bounds bounds_of_job(const ServiceLimits& limits, const std::filesystem:
 
 Result<bool> any_packed(const std::vector<std::string>& files) {
   for (const auto& file : files) {
+    if (names_object(file)) {
+      BOOST_OUTCOME_TRY(packed, is_packed_object(file));
+      if (packed) return true;
+      continue;
+    }
     BOOST_OUTCOME_TRY(handle, open_handle(file, O_RDONLY | O_NONBLOCK));
     std::array<std::byte, format_bytes> begin{};
     BOOST_OUTCOME_TRY(count, read_up_to(handle.get(), begin, 0, file));

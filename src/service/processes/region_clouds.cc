@@ -1,7 +1,9 @@
 #include "src/service/processes/region_clouds.h"
-#include "src/base/files/there.h"
 
 #include <algorithm>
+
+#include "src/base/files/there.h"
+#include "src/input/bytes/objects.h"
 
 namespace tessera::service {
 namespace {
@@ -24,6 +26,11 @@ Result<std::string> state_of(const std::string& file) {
 
 Result<RegionClouds::Lent> RegionClouds::lend(const std::vector<std::string>& files, const RegionJobOptions& options,
                                               const std::string& words, const std::stop_token& stop) {
+  // Objects may change without a sign, so clouds of them are not kept.
+  if (std::any_of(files.begin(), files.end(), [](const auto& file) { return names_object(file); })) {
+    BOOST_OUTCOME_TRY(cloud, open_regions(files, options, stop));
+    return Lent{"", std::move(cloud)};
+  }
   std::string key = words + '\n';
   for (const auto& file : files) {
     BOOST_OUTCOME_TRY(state, state_of(file));
@@ -43,6 +50,7 @@ Result<RegionClouds::Lent> RegionClouds::lend(const std::vector<std::string>& fi
 }
 
 void RegionClouds::give_back(Lent lent) {
+  if (lent.key.empty()) return;
   lent.cloud.regions->forget(memory_bytes_);
   std::list<Lent> gone;  // freed without the lock
   const std::lock_guard lock(mutex_);

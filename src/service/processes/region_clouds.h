@@ -26,8 +26,8 @@ class RegionClouds {
     RegionCloud cloud;
   };
   // Returns the cloud of these files, and opens it if it is not kept. A cloud with other options, or with files that
-  // have changed, is another cloud. The borrower has the cloud alone; a second borrower gets a copy of its own. Errors:
-  // those of open_regions().
+  // have changed, is another cloud. The borrower has the cloud alone; a second borrower gets a copy of its own. A cloud
+  // of objects has an empty key, and is not kept. Errors: those of open_regions().
   Result<Lent> lend(const std::vector<std::string>& files, const RegionJobOptions& options, const std::string& words,
                     const std::stop_token& stop);
   // Returns a cloud after it was used without error. Clouds that do not fit are dropped, the least recently used first.

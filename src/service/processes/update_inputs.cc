@@ -11,6 +11,7 @@
 
 #include "src/base/option.h"
 #include "src/input/bytes/byte_source.h"
+#include "src/input/bytes/objects.h"
 #include "src/input/cloud/cloud.h"
 #include "src/input/npy/npy_header.h"
 #include "src/job/job_options.h"
@@ -112,6 +113,7 @@ Status read_ids(const Workshop& shop, const proto::UpdateInputs& inputs, std::ve
     if (files.size() != 1)
       return error(Errc::usage, "'" + inputs.remove_ids_file() + "' are " + std::to_string(files.size()) +
                                     " files, and must be one");
+    if (names_object(files.front())) return error(Errc::usage, files.front() + ": is an address, and must be a file");
     BOOST_OUTCOME_TRY(file, open_file(files.front()));
     return read_npy_integers(*file);
   };
