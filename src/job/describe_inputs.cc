@@ -60,19 +60,24 @@ Result<Json> result_of(const FileInfo& file) {
 Json to_json(const FileInfo& file) {
   Json names = Json::array();
   for (const auto& attribute : file.attributes) names.push_back(attribute.name);
-  return {{"path", file.path.string()},
-          {"format", file.format},
-          {"detail", file.detail},
-          {"packing", file.packing},
-          {"dimension", file.dimension},
-          {"bytes", file.bytes},
-          {"points", file.points ? Json(*file.points) : Json()},
-          {"bounds", file.bounds ? to_json(*file.bounds) : Json()},
-          {"crs", file.crs},
-          {"crs_name", crs_title(file.crs)},
-          {"crs_note", file.crs_note},
-          {"attributes", names},
-          {"columns", file.columns ? to_json(*file.columns) : Json()}};
+  Json described{{"path", file.path.string()},
+                 {"format", file.format},
+                 {"detail", file.detail},
+                 {"packing", file.packing},
+                 {"dimension", file.dimension},
+                 {"bytes", file.bytes},
+                 {"points", file.points ? Json(*file.points) : Json()},
+                 {"bounds", file.bounds ? to_json(*file.bounds) : Json()},
+                 {"crs", file.crs},
+                 {"crs_name", crs_title(file.crs)},
+                 {"crs_note", file.crs_note},
+                 {"attributes", names},
+                 {"columns", file.columns ? to_json(*file.columns) : Json()}};
+  if (file.snapshot)
+    described["snapshot"] = {{"files", file.snapshot->files},
+                             {"points", file.snapshot->points},
+                             {"box", {file.box.x, file.box.y, file.box.z}}};
+  return described;
 }
 
 // The tiles that `triangulate` would make. The sample is taken after the filters; counts of headers are not.

@@ -143,6 +143,14 @@ std::string file_text(const Json& file) {
   lines.add("points", file.at("points").is_null() ? "not told by the file" : grouped(count_of(file, "points")));
   lines.add("box", box_text_or(file.at("bounds"), "not told by the file"));
   if (file.contains("columns") && !file.at("columns").is_null()) lines.add("columns", columns_text(file.at("columns")));
+  if (file.contains("snapshot")) {
+    const Json& snapshot = file.at("snapshot");
+    const auto files = count_of(snapshot, "files");
+    std::string box;
+    for (const auto& size : snapshot.at("box")) box += (box.empty() ? "" : " x ") + coordinate(size.get<double>());
+    lines.add("snapshot", grouped(count_of(snapshot, "points")) + " particles in " + grouped(files) +
+                              (files == 1 ? " file" : " files") + ", a box of " + box);
+  }
   lines.add("attributes", joined(file.at("attributes")));
   if (!text_of(file, "crs").empty()) lines.add("CRS", text_of(file, "crs_name"));
   if (file.contains("result") && !file.at("result").is_null()) {

@@ -62,6 +62,13 @@ class Snapshots(CliTest):
                 self.assertTrue(np.isnan(read["Density"][40:]).all())
                 self.assertEqual(read["Metals_2"][5], 11)
 
+    def test_info_tells_of_the_snapshot(self):
+        self.write("snap.hdf5")
+        told = self.json_lines(self.ok("info", "snap.hdf5", "--json"))[-1]["files"][0]
+        self.assertEqual(told["snapshot"], {"files": 1, "points": 105, "box": [1000, 1000, 1000]})
+        self.assertEqual(told["points"], 105)
+        self.assertRegex(self.ok("info", "snap.hdf5"), r"snapshot +105 particles in 1 file, a box of 1000 x 1000 x 1000")
+
     def test_integer_coordinates_are_scaled_by_the_box(self):
         self.write("snap.hdf5", counts=(0, 30, 0, 0, 0, 0))
         steps = np.random.default_rng(3).integers(0, 2**32, (30, 3), dtype="u4")
