@@ -200,7 +200,6 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.limits.running = jobs.value_or(1);
   service.uploads = uploads;
   service.retention_s = retention.value_or(0);
-
   BOOST_OUTCOME_TRYV(read_live(settings, service));
   BOOST_OUTCOME_TRYV(read_remote(top, get_environment, out));
   BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
