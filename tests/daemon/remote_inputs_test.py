@@ -99,7 +99,8 @@ class RemoteInputs(DaemonTest):
                       self.url("open/..%2fclosed/" + name), self.url("open/%252e%252e/closed/" + name), self.url("open/..;/closed/" + name),
                       self.inner.url("open/" + name), f"http://localhost:{port}/open/{name}", f"http://0.0.0.0:{port}/open/{name}",
                       f"http://[::ffff:127.0.0.1]:{port}/open/{name}", f"https://127.0.0.1:{port}/open/{name}", f"http://127.0.0.1:{port}@127.0.0.1:1/open/{name}",
-                      "http://169.254.169.254/latest/meta-data/a.las", "s3://open/" + name, f"ftp://127.0.0.1:{port}/open/{name}", "file:///etc/a.las"):
+                      "http://169.254.169.254/latest/meta-data/a.las", "s3://open/" + name, f"ftp://127.0.0.1:{port}/open/{name}", "file:///etc/a.las",
+                      "gs://open/" + name, "az://open/" + name):
             with self.subTest(name=wrong):
                 self.refused(daemon, wrong, says="inputs:")
                 self.refused(daemon, wrong, process="info", says="inputs:")

@@ -6,6 +6,7 @@ their first 5 lines; PLY their header, with the counts made small, and 3 vertice
 STL, PCD, PTX and PTS, which DATA lacks, are made here. Only files whose licence lets us pass them on are taken.
 """
 import gzip
+import json
 import pathlib
 import re
 import struct
@@ -188,6 +189,16 @@ def points_file(own, foreign, attributes, pack, areas=()):
             b''.join(struct.pack('<IQ', len(b), 0) for b in blocks) + bytes(8) + b''.join(blocks))
 
 
+def ept(kind, tile, pages, points, tiles=1):
+    """ept.json, the first page of the hierarchy, all other pages, and all tiles; zero bytes between them."""
+    numbers = [('X', 'signed', 4, .01, 100), ('Y', 'signed', 4, .01, -50), ('Z', 'signed', 4, .01, 0), ('Intensity', 'unsigned', 2, 1, 0),
+               ('GpsTime', 'float', 8, 1, 0), ('ScanAngleRank', 'signed', 2, .006, 0)]
+    described = {'bounds': [100, -50, 0, 228, 78, 128], 'boundsConforming': [100, -50, 0, 228, 78, 128], 'dataType': kind, 'hierarchyType': 'json',
+                 'points': points * tiles, 'span': 128, 'srs': {'authority': 'EPSG', 'horizontal': '2154'}, 'version': '1.1.0',
+                 'schema': [{'name': n, 'type': t, 'size': s, 'scale': scale, 'offset': offset} for n, t, s, scale, offset in numbers]}
+    return b'\0'.join([json.dumps(text).encode() for text in (described, *pages)] + [tile])
+
+
 def main():
     data, out = map(pathlib.Path, sys.argv[1:3])
 
@@ -237,6 +248,13 @@ def main():
     zstd = lambda data: subprocess.run(['zstd', '-q', '-c'], input=data, stdout=subprocess.PIPE, check=True).stdout
     write('packed', 'skipped_and_two_frames.xyz.zst', b'\x50\x2a\x4d\x18\x02\0\0\0ab' + zstd(text[:300]) + zstd(text[300:]))
     write('packed', 'small.las.zst', zstd(las))
+
+    records = b''.join(struct.pack('<iiiHdh', i * 997 % 12800, i * 31 % 12800, i * i % 12800, i, i / 8, -i) for i in range(20))
+    two = ({'0-0-0-0': 20, '1-0-0-0': -1}, {'1-0-0-0': 20, '2-1-1-1': 20, '1-1-0-1': 0})
+    write('ept', 'binary', ept('binary', records, two, 20, 3))
+    write('ept', 'zstandard', ept('zstandard', zstd(records), two, 20, 3))
+    laz = small_laz((data / LAZ[0]).read_bytes(), 200)
+    write('ept', 'laszip', ept('laszip', laz, ({'0-0-0-0': 200}, {}), 200))
 
     many = [(i / 4, i % 40 / 100, 1000 - i, 42, i * i / 7, i % 3) for i in range(200)]
     few = [(9.25, 0.5, 7, 3, float('nan'), 1), (9.0, -0.25, 8, 41, -0.0, 2)]

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/fuzz/read_stranger.h"
+#include "tests/fuzz/read_stranger_ept.h"
 
 namespace tessera {
 namespace {
@@ -35,6 +36,26 @@ TEST(FuzzReplay, EveryKnownInputIsReadOrRefusedWithASentence) {
           "stranger.pcd", "stranger.ptx", "stranger.pts", "stranger.npy", "stranger.xyz", "stranger.xyz.gz"})
       read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), name);
     read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "stranger.laz", stranger_hints());
+    read_stranger_ept(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  }
+}
+
+// Otherwise the corpus would say nothing of tiles.
+TEST(FuzzReplay, CloudsInEptOfTheCorpusAreRead) {
+  for (const auto& file : files_below(TESSERA_FUZZ_CORPUS "/ept")) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const auto source = std::make_shared<const StrangerEpt>("stranger/ept.json", std::as_bytes(std::span(bytes)));
+    const auto reader = open_reader(share(source));
+    ASSERT_TRUE(reader) << file << ": " << reader.error().where;
+    PointBatch batch;
+    std::uint64_t count = 0;
+    do {
+      ASSERT_TRUE(reader.value()->next(batch)) << file;
+      count += batch.points.size();
+    } while (!batch.points.empty());
+    EXPECT_EQ(count, reader.value()->info().points) << file;
+    EXPECT_GT(count, 0u) << file;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "src/base/crs/crs.h"
+#include "src/base/crs/gdal_files.h"
 #include "src/base/crs/proj_files.h"
 #include "src/base/default_arithmetic.h"
 
@@ -24,9 +25,33 @@ Result<void*> open_library() {
   return error(Errc::io, "coordinate systems need GDAL (Debian's package libgdal32): " + missing);
 }
 
+Result<void*> library_handle() {
+  static const Result<void*> handle = [] {
+    const DefaultArithmetic kept;  // 110 libraries are loaded with GDAL, and some of them may change the arithmetic
+    return open_library();
+  }();
+  return handle;
+}
+
+Result<GdalFiles> load_files() {
+  BOOST_OUTCOME_TRYV(gdal_library());  // which makes GDAL ready
+  BOOST_OUTCOME_TRY(handle, library_handle());
+  GdalFiles files;
+  const char* missing = nullptr;
+  const auto find = [&]<class Function>(Function& function, const char* name) {
+    function = reinterpret_cast<Function>(::dlsym(handle, name));
+    if (function == nullptr) missing = name;
+  };
+#define TESSERA_GDAL_FIND(name) find(files.name, #name);
+  TESSERA_GDAL_FILE_FUNCTIONS(TESSERA_GDAL_FIND)
+#undef TESSERA_GDAL_FIND
+  if (missing != nullptr) return error(Errc::io, std::string(TESSERA_GDAL_SONAME) + " has no function " + missing);
+  return files;
+}
+
 Result<GdalLibrary> load() {
-  const DefaultArithmetic kept;  // 110 libraries are loaded with GDAL, and some of them may change the arithmetic
-  BOOST_OUTCOME_TRY(handle, open_library());
+  const DefaultArithmetic kept;
+  BOOST_OUTCOME_TRY(handle, library_handle());
   GdalLibrary gdal;
   const char* missing = nullptr;
   const auto find = [&]<class Function>(Function& function, const char* name) {
@@ -63,6 +88,12 @@ Result<const GdalLibrary*> gdal_library() {
   static const Result<GdalLibrary> gdal = load();
   if (!gdal) return gdal.error();
   return &gdal.value();
+}
+
+Result<const GdalFiles*> gdal_files() {
+  static const Result<GdalFiles> files = load_files();
+  if (!files) return files.error();
+  return &files.value();
 }
 
 GdalQuiet::GdalQuiet(const GdalLibrary& gdal) : gdal_(gdal) {

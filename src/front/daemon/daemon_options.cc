@@ -74,9 +74,10 @@ Status read_remote(const apps::Settings& top, const std::function<const char*(co
     if (anonymous) return error(Errc::usage, "s3-anonymous: no address may be read; remote-prefix names some");
     return success();
   }
-  BOOST_OUTCOME_TRY(permits, remote::Permits::parse(*prefixes));
+  auto permits = remote::Permits::parse(*prefixes);
+  if (!permits) return error(permits.error().code, "remote-prefix: " + permits.error().where);
   remote::RemoteOptions& remote = out.remote.emplace();
-  remote.permits = std::make_shared<const remote::Permits>(std::move(permits));
+  remote.permits = std::make_shared<const remote::Permits>(std::move(permits).value());
   remote.s3.anonymous = anonymous;
   remote.ca_file = remote::ca_file_of(get_environment);
   remote.folder = out.service.data;
@@ -199,7 +200,6 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.limits.running = jobs.value_or(1);
   service.uploads = uploads;
   service.retention_s = retention.value_or(0);
-
   BOOST_OUTCOME_TRYV(read_live(settings, service));
   BOOST_OUTCOME_TRYV(read_remote(top, get_environment, out));
   BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));

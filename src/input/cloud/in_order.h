@@ -40,7 +40,6 @@ Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& t
     bool stop = false;
   } shared;
   shared.slots.resize(2 * std::size_t{threads});
-
   const auto work = [&, objects = UseObjects::of_thread()] {
     const UseObjects use(objects);
     std::unique_lock lock(shared.mutex);

@@ -36,8 +36,7 @@ class KeptSource : public FarSource {
   const std::filesystem::path& path() const override { return path_; }
   std::uint64_t size() const override { return object_->size(); }
   std::int64_t modified_ns() const override { return object_->modified_ns(); }
-  // Every answer of the server was compared with the first one.
-  Status check_unchanged() const override { return success(); }
+  Status check_unchanged() const override { return object_->check_unchanged(); }
   std::uint64_t near_bytes_max() const override { return near_bytes_; }
   Result<std::shared_ptr<const ByteSource>> open_beside(const std::string& name,
                                                         std::size_t first_bytes) const override {

@@ -12,7 +12,6 @@
 #include <string_view>
 #include <utility>
 
-#include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/input/remote/s3.h"
 #include "src/input/remote/url.h"
@@ -195,15 +194,12 @@ Result<Permits> Permits::parse(const std::vector<std::string>& prefixes) {
   Permits permits;
   for (const auto& prefix : prefixes) {
     if (prefix.find_first_of("?#") != std::string::npos)
-      return error(Errc::usage, option("remote-prefix") + ": " + without_secrets(prefix) +
-                                    ": a prefix has nothing behind its path, neither '?' nor '#'");
-    auto place = is_s3(prefix) ? place_of_s3(prefix) : place_of(prefix, without_secrets(prefix));
-    if (place.has_error()) return error(Errc::usage, option("remote-prefix") + ": " + place.error().where);
-    if (place.value().host.empty())
-      return error(Errc::usage, option("remote-prefix") + ": " + printable(prefix) + ": names no bucket");
-    auto& path = place.value().path;
-    if (path.back().empty()) path.pop_back();  // "/folder/" is "/folder"
-    permits.prefixes_.push_back(std::move(place).value());
+      return error(Errc::usage,
+                   without_secrets(prefix) + ": a prefix has nothing behind its path, neither '?' nor '#'");
+    BOOST_OUTCOME_TRY(place, is_s3(prefix) ? place_of_s3(prefix) : place_of(prefix, without_secrets(prefix)));
+    if (place.host.empty()) return error(Errc::usage, printable(prefix) + ": names no bucket");
+    if (place.path.back().empty()) place.path.pop_back();  // "/folder/" is "/folder"
+    permits.prefixes_.push_back(std::move(place));
   }
   return permits;
 }

@@ -23,6 +23,8 @@ class RangeReader {
   // if the server does not answer or refuses, after several tries; interrupted. REQUIRES: the ranges are within size(),
   // none is empty.
   virtual Result<std::vector<std::vector<std::byte>>> read(std::span<const ByteRange> ranges) const = 0;
+  // Error bad_input if the object has changed since it was opened. For kinds whose read() cannot tell.
+  virtual Status check_unchanged() const { return success(); }
 };
 
 }  // namespace tessera::remote

@@ -10,6 +10,7 @@
 
 #include "src/base/files/whole_file.h"
 #include "src/base/option.h"
+#include "src/base/printable.h"
 #include "src/input/bytes/far_source.h"
 #include "src/input/remote/http_object.h"
 #include "src/input/remote/kept_pages.h"
@@ -19,6 +20,7 @@
 #include "src/input/remote/stac.h"
 #include "src/input/remote/transfers.h"
 #include "src/input/remote/url.h"
+#include "src/input/remote/vsi_objects.h"
 
 namespace tessera::remote {
 namespace {
@@ -42,6 +44,8 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
 
   Result<std::vector<std::string>> names(const std::string& name, bool recursive, std::stop_token stop) override {
     BOOST_OUTCOME_TRYV(permitted(name));
+    if (is_of_gdal(name) && name.ends_with('/')) return list_of_gdal(name, recursive);
+    if (is_of_gdal(name)) return std::vector{name};
     if (is_stac_name(name)) return stac_files(name, recursive, stop);
     if (!is_s3(name) || (!name.ends_with('/') && name.find('/', 5) != std::string::npos)) return std::vector{name};
     BOOST_OUTCOME_TRY(access, s3_access());
@@ -67,8 +71,16 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
   // Opens an object, and asks for its first bytes.
   Result<std::shared_ptr<const ByteSource>> open_first(const std::string& name, std::size_t first_bytes,
                                                        const std::stop_token& stop) {
-    BOOST_OUTCOME_TRY(place, place_of(name));
-    BOOST_OUTCOME_TRY(opened, open_http(place.url, std::move(place.asking), transfers(), first_bytes, stop));
+    OpenedObject opened;
+    if (is_of_gdal(name)) {
+      BOOST_OUTCOME_TRYV(permitted(name));
+      BOOST_OUTCOME_TRY(object, open_of_gdal(name, stop));
+      opened.object = std::move(object);
+    } else {
+      BOOST_OUTCOME_TRY(place, place_of(name));
+      BOOST_OUTCOME_TRY(got, open_http(place.url, std::move(place.asking), transfers(), first_bytes, stop));
+      opened = std::move(got);
+    }
     const auto beside = [self = shared_from_this(), stop](const std::string& other, std::size_t bytes) {
       return self->open_first(other, bytes, stop);
     };
@@ -79,6 +91,7 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
   // Whether this process may ask for what a name means.
   Status permitted(const std::string& name) const {
     if (!permits_) return success();
+    if (is_of_gdal(name)) return error(Errc::usage, printable(name) + ": a service does not read gs:// and az://");
     if (is_s3(name)) return permits_->check_s3(name);
     return permits_->check_address(name, without_secrets(name));
   }

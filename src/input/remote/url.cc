@@ -49,7 +49,7 @@ Result<Url> parse_url(const std::string& text) {
   if (!url) return error(Errc::memory, shown + ": no memory is left to read its address");
   const std::string scheme = lower(text.substr(0, text.find("://")));
   if (scheme != "http" && scheme != "https")
-    return refuse("objects are read by https://, http:// and s3://, not by " + printable(scheme) + "://");
+    return refuse("objects are read by https://, http://, s3://, gs:// and az://, not by " + printable(scheme) + "://");
   // A blank in the path is a mistake of people, not of programs: it is sent as %20.
   if (curl.url_set(url.get(), CURLUPART_URL, text.c_str(), CURLU_URLENCODE) != CURLUE_OK)
     return refuse("is no address of an object, as https://host/folder/file.laz is");
