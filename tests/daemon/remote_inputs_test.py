@@ -6,6 +6,8 @@ import shutil
 import sys
 import unittest
 
+import h5py
+import numpy as np
 from daemon import IGN, DaemonTest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "apps"))
@@ -16,6 +18,24 @@ FILES = sorted(IGN.glob("*.las"))[:2]
 KEYS = {"AKIDEXAMPLE": "wJalrXUtnFEMI/K7MDENG+bPxRfiCYEXAMPLEKEY"}
 ME = {"AWS_ACCESS_KEY_ID": "AKIDEXAMPLE", "AWS_SECRET_ACCESS_KEY": KEYS["AKIDEXAMPLE"], "AWS_EC2_METADATA_DISABLED": "true"}
 EPT = pathlib.Path(__file__).resolve().parents[1] / "data" / "ept" / "colours"
+
+
+class Hdf5(DaemonTest):
+    def test_hdf5_is_read_only_where_the_operator_says_so(self):
+        inputs = self.folder / "inputs"
+        inputs.mkdir()
+        with h5py.File(inputs / "snap.hdf5", "w") as file:
+            file.create_group("Header").attrs["NumPart_ThisFile"] = np.array([0, 20], "u4")
+            file["PartType1/Coordinates"] = np.random.default_rng(1).random((20, 3))
+        for options, status in (((), "failed"), (("--hdf5",), "successful")):
+            daemon = self.start("--inputs", inputs, *options)
+            code, _, told = daemon.request("POST", "/v1/processes/triangulate/execution", {"inputs": {"inputs": ["snap.hdf5"], "output": "out"}})
+            self.assertEqual(code, 201, told)
+            job = daemon.wait(told["jobID"])
+            self.assertEqual(job["status"], status, job)
+            if status == "failed":
+                self.assertIn("HDF5 is not read here", json.dumps(job))
+            daemon.end()
 
 
 class RemoteInputs(DaemonTest):

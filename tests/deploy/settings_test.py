@@ -9,7 +9,7 @@ import unittest
 SOURCE = pathlib.Path(os.environ["SOURCE"])
 TEXT = (SOURCE / "config/tesserad.toml").read_text()
 KEYS = {"listen", "metrics", "data", "inputs", "memory", "threads", "jobs", "uploads", "retention", "tls-certificate",
-        "tls-key", "public-url", "hosts", "insecure", "log", "print-token", "live", "live-memory", "remote-prefix", "s3-anonymous",
+        "tls-key", "public-url", "hosts", "insecure", "log", "print-token", "live", "live-memory", "remote-prefix", "s3-anonymous", "hdf5",
         "cluster", "advertise", "join", "certs", "roles", "node-name", "cluster-name", "scratch", "lease", "grace",
         "drain-timeout"}
 LIMITS = {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease", "live-log"}

@@ -129,6 +129,7 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
            "beginnings of addresses (https://, http://, s3://) below which jobs may read inputs; may be given several "
            "times; default: none");
   add_switch(app, top, "s3-anonymous", "do not sign requests for inputs s3://");
+  add_switch(app, top, "hdf5", "read inputs in HDF5, whose library was not made for files of strangers");
   add_option(app, top, "memory", "BYTES", "memory for all running jobs together; default: 70 % of what is available");
   add_option(app, top, "threads", "N", "threads for all running jobs together; default: all processors");
   add_option(app, top, "jobs", "N", "how many jobs run at once; default: 1");
@@ -219,6 +220,8 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   server.hosts = hosts.value_or(std::vector<std::string>{});
   server.public_url = public_url.value_or("");
   server.insecure = insecure;
+  BOOST_OUTCOME_TRY(hdf5, top.on("hdf5"));
+  out.hdf5 = hdf5;
   BOOST_OUTCOME_TRY(print_token, top.on("print-token"));
   out.print_token = print_token;
   out.json_log = log.value_or("text") == "json";

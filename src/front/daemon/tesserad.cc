@@ -37,6 +37,7 @@
 #include "src/front/daemon/supervisor.h"
 #include "src/input/bytes/objects.h"
 #include "src/input/remote/remote_objects.h"
+#include "src/input/snapshot/gadget_hdf5.h"
 #include "src/job/version.h"
 #include "src/service/http/server.h"
 #include "src/service/service.h"
@@ -183,6 +184,7 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, apps::flag_name)); };
   options.service.note = [](const std::string& line) { spdlog::info("{}", render(line, apps::flag_name)); };
   const std::optional<ClusterOptions> cluster = options.service.cluster;
+  if (!options.hdf5) snapshot::refuse_hdf5();
   if (options.remote) {
     set_objects(remote::remote_objects(*std::move(options.remote)));
     spdlog::info("inputs may also be read by addresses below those that remote-prefix lists");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "src/base/json/json_text.h"
+#include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/input/bytes/fields.h"
 #include "src/input/bytes/record_stream.h"
@@ -19,6 +21,8 @@
 
 namespace tessera::snapshot {
 namespace {
+
+std::atomic<bool> hdf5_is_refused = false;
 
 constexpr std::size_t types_max = 7;  // SWIFT has neutrinos as type 6
 
@@ -301,6 +305,8 @@ class Hdf5Reader : public PointReader {
 
 }  // namespace
 
+void refuse_hdf5() { hdf5_is_refused = true; }
+
 bool looks_like_hdf5(std::span<const std::byte> begin) {
   constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
   return begin.size() >= signature.size() &&
@@ -311,6 +317,11 @@ Result<std::unique_ptr<PointReader>> open_gadget_hdf5(std::unique_ptr<ByteSource
                                                       const std::vector<Attribute>& attributes) {
   FileInfo info = info_of(*source, "hdf5");
   const std::string path = info.path.string();
+  if (hdf5_is_refused)
+    return error(Errc::bad_input, path +
+                                      ": HDF5 is not read here, because its library was not made for files of "
+                                      "strangers; the daemon's operator can allow it with " +
+                                      option("hdf5", "true"));
   BOOST_OUTCOME_TRY(file, Hdf5File::open(*source));
   BOOST_OUTCOME_TRY(header, read_header(file, path));
   BOOST_OUTCOME_TRY(snapshot, read_snapshot(file, header, path));
