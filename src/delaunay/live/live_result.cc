@@ -10,6 +10,7 @@
 #include "src/base/stopped.h"
 #include "src/base/too_large.h"
 #include "src/delaunay/run/touching.h"
+#include "src/result/far_files.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera {
@@ -66,6 +67,7 @@ Error LiveResult::refuse(const std::string& why) const {
 
 Result<std::unique_ptr<LiveResult>> LiveResult::open(const fs::path& out, const LiveOptions& options,
                                                      const std::stop_token& stop) {
+  BOOST_OUTCOME_TRYV(result::refuse_far(out));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   BOOST_OUTCOME_TRYV(check_changeable(out, source.manifest()));
   BOOST_OUTCOME_TRYV(check_kept(out, source.manifest()));

@@ -1,5 +1,7 @@
 #include "src/input/remote/s3.h"
 
+#include <curl/curl.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -114,6 +116,12 @@ Asking S3Access::asking() const {
   Asking asking{.headers = {}, .signing = signing, .region = region};
   if (requester_pays) asking.headers.push_back("x-amz-request-payer: requester");
   return asking;
+}
+
+std::string as_parameter(const std::string& text) {
+  const std::unique_ptr<char, decltype(&curl_free)> made(
+      curl_easy_escape(nullptr, text.data(), static_cast<int>(text.size())), curl_free);
+  return made ? made.get() : "";
 }
 
 bool is_s3(const std::string& name) { return name.starts_with("s3://"); }

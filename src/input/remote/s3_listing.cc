@@ -56,12 +56,6 @@ class PageTaker {
   bool whole_ = false, truncated_ = false, refused_ = false;
 };
 
-std::string escaped(const std::string& text) {
-  const std::unique_ptr<char, decltype(&curl_free)> made(
-      curl_easy_escape(nullptr, text.data(), static_cast<int>(text.size())), curl_free);
-  return made ? made.get() : "";
-}
-
 }  // namespace
 
 Result<S3Page> parse_s3_page(std::span<const std::byte> xml) {
@@ -100,9 +94,9 @@ Result<std::vector<std::string>> list_s3(const std::string& name, bool recursive
   S3Page page;
   do {
     // Sorted by their names, because a signature is of the sorted parameters.
-    std::string parameters = page.next.empty() ? "" : "continuation-token=" + escaped(page.next) + "&";
+    std::string parameters = page.next.empty() ? "" : "continuation-token=" + as_parameter(page.next) + "&";
     if (!recursive) parameters += "delimiter=%2F&";
-    parameters += "encoding-type=url&list-type=2&prefix=" + escaped(folder);
+    parameters += "encoding-type=url&list-type=2&prefix=" + as_parameter(folder);
     BOOST_OUTCOME_TRY(answer, get_http({url.address + "?" + parameters, name, url.scheme, url.host}, access.asking(),
                                        transfers, page_of_listing_bytes_max, stop));
     auto parsed = parse_s3_page(answer);

@@ -1,6 +1,7 @@
 #include "src/input/remote/transfers.h"
 
 #include <curl/curl.h>
+#include <openssl/evp.h>
 
 #include <algorithm>
 #include <array>
@@ -104,10 +105,51 @@ bool is_passing(CURLcode code) {
   }
 }
 
+// SHA-256 of what a request sends, in hexadecimal digits.
+std::string digest_of_body(const HttpRequest& request) {
+  constexpr const char* digits = "0123456789abcdef";
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  const std::vector<std::byte> nothing;
+  const auto& body = request.body ? *request.body : nothing;
+  if (EVP_Digest(body.data(), body.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) return "UNSIGNED-PAYLOAD";
+  std::string text;
+  for (unsigned i = 0; i < size; ++i) {
+    text += digits[digest[i] >> 4];
+    text += digits[digest[i] & 15];
+  }
+  return text;
+}
+
+// The server compares what arrives with its digest, which is a part of the signature.
 void sign(CURL* handle, const HttpRequest& request) {
   curl_easy_setopt(handle, CURLOPT_AWS_SIGV4, ("aws:amz:" + request.region + ":s3").c_str());
   curl_easy_setopt(handle, CURLOPT_USERNAME, request.signing->key.c_str());
   curl_easy_setopt(handle, CURLOPT_PASSWORD, request.signing->secret.c_str());
+}
+
+bool sends(const HttpRequest& request) { return request.method == "PUT" || request.method == "POST"; }
+
+curl_slist* headers_of(const HttpRequest& request) {
+  curl_slist* list = nullptr;
+  for (const auto& header : request.headers) list = curl_slist_append(list, header.c_str());
+  if (sends(request)) list = curl_slist_append(list, "Content-Type: application/octet-stream");
+  if (!request.signing) return list;
+  list = curl_slist_append(list, ("x-amz-content-sha256: " + digest_of_body(request)).c_str());
+  const std::string& token = request.signing->token;
+  if (!token.empty()) list = curl_slist_append(list, ("x-amz-security-token: " + token).c_str());
+  return list;
+}
+
+// What is asked, and what is sent with it.
+void set_method(CURL* handle, const HttpRequest& request) {
+  if (sends(request)) {
+    const bool empty = !request.body || request.body->empty();
+    curl_easy_setopt(handle, CURLOPT_POSTFIELDSIZE_LARGE,
+                     empty ? curl_off_t{0} : static_cast<curl_off_t>(request.body->size()));
+    curl_easy_setopt(handle, CURLOPT_POSTFIELDS, empty ? "" : static_cast<const void*>(request.body->data()));
+  }
+  if (request.method != "GET") curl_easy_setopt(handle, CURLOPT_CUSTOMREQUEST, request.method.c_str());
 }
 
 }  // namespace
@@ -144,11 +186,7 @@ void Transfers::Impl::begin(const Transfer& transfer) {
     return;
   }
   const HttpRequest& request = *transfer.request;
-  for (const auto& header : request.headers) arriving->headers = curl_slist_append(arriving->headers, header.c_str());
-  if (request.signing && !request.signing->token.empty()) {
-    const std::string token = "x-amz-security-token: " + request.signing->token;
-    arriving->headers = curl_slist_append(arriving->headers, token.c_str());
-  }
+  arriving->headers = headers_of(request);
   curl_easy_setopt(handle, CURLOPT_URL, request.address.c_str());
   curl_easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
   curl_easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 0L);
@@ -160,11 +198,12 @@ void Transfers::Impl::begin(const Transfer& transfer) {
   if (!request.range.empty()) curl_easy_setopt(handle, CURLOPT_RANGE, request.range.c_str());
   if (request.signing) sign(handle, request);
   if (!ca_file.empty()) curl_easy_setopt(handle, CURLOPT_CAINFO, ca_file.c_str());
+  set_method(handle, request);
   curl_easy_setopt(handle, CURLOPT_HTTPHEADER, arriving->headers);
   curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS, patience.connect_ms);
   curl_easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, patience.slow_bytes);
-  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, patience.slow_s);
-  curl_easy_setopt(handle, CURLOPT_TIMEOUT, patience.whole_s);
+  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, sends(request) ? patience.slow_write_s : patience.slow_s);
+  curl_easy_setopt(handle, CURLOPT_TIMEOUT, sends(request) ? patience.whole_write_s : patience.whole_s);
   curl_easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
   curl_easy_setopt(handle, CURLOPT_HEADERDATA, arriving.get());
   curl_easy_setopt(handle, CURLOPT_WRITEFUNCTION, take_body);
