@@ -152,7 +152,7 @@ Status add_list(const std::string& list, bool recursive, Spool& spool, std::vect
 Result<bool> is_far_result(const fs::path& name) {
   const std::string text = name.string();
   const auto named = named_version(name);
-  if (text.find_first_of("?#") != std::string::npos) return false;
+  if (text.find_first_of("?#") != std::string::npos || text.ends_with("://")) return false;
   if (!named && (has_point_file_name(name) || name.extension() == ".json" || name.extension() == ".geojson"))
     return false;
   return object_exists(manifest_file(named ? named->out : name).string(), {});
