@@ -32,6 +32,7 @@ test=(
   python3-h5py                              # writes snapshots
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   nginx-light                               # serves objects
+  radosgw ceph-mon ceph-osd                 # a store of objects, nightly
   systemd python3-yaml                      # judge the unit, read the manifest
   iproute2 iptables                         # networks of a test's own, that lose packets
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes

@@ -21,6 +21,7 @@ struct JobOptions : RunOptions {
   std::uint64_t max_points_per_tile = 0;  // 0: chosen from memory and threads, unless `tiles` is given
   std::uint32_t tiles = 0;
   std::vector<std::string> command = {};             // for the manifest: how the job was started
+  std::string place = {};                            // where the result goes in the end; empty: it stays in its folder
   std::function<void(const std::string&)> log = {};  // called with what happens, in sentences for people
 };
 

@@ -46,7 +46,7 @@ Manifest manifest_of(const JobOptions& options, const RoutedCloud& run, const Ru
 JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,
                       const RunSummary& tiles) {
   JobSummary summary;
-  summary.out = out.string();
+  summary.out = options.place.empty() ? out.string() : options.place;
   summary.dimension = manifest.dimension;
   summary.points_read = manifest.points_read;
   summary.invalid = manifest.invalid;

@@ -21,6 +21,7 @@
 #include "src/base/files/record_log.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
+#include "src/result/far_files.h"
 #include "src/result/old_versions.h"
 #include "src/result/store/duplicate_rows.h"
 #include "src/result/store/duplicates.h"
@@ -98,6 +99,7 @@ std::int64_t now_in_seconds() {
 Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const VersionOptions& options) {
   if (named_version(out))
     return error(Errc::usage, out.string() + ": is a version of a result; only the newest version can be changed");
+  BOOST_OUTCOME_TRYV(result::refuse_far(out));
   BOOST_OUTCOME_TRY(there, is_there(manifest_file(out)));
   if (!there) return no_manifest(out);
   BOOST_OUTCOME_TRY(lock, FolderLock::take(out, options.lock));

@@ -53,6 +53,14 @@ std::string difference(const Manifest& manifest, const TileEntry& entry, const S
 Result<TileSource> TileSource::open(const fs::path& out) {
   const auto named = named_version(out);
   const fs::path folder = named ? named->out : out;
+  if (result::is_far(folder)) {
+    BOOST_OUTCOME_TRY(manifest, result::read_far_manifest(folder));
+    if (named && named->version != manifest.version)
+      return error(Errc::usage, folder.string() + ": only the newest version of a result in an object store can be " +
+                                    "read, which is version " + std::to_string(manifest.version));
+    return TileSource(std::make_shared<const Inside>(
+        Inside{folder, std::move(manifest), FileHandle{}, std::make_shared<result::FarFiles>()}));
+  }
   BOOST_OUTCOME_TRY(held, named ? result::hold_version(folder, named->version) : result::hold_manifest(folder));
   return TileSource(std::make_shared<const Inside>(Inside{folder, std::move(held.manifest), std::move(held.file)}));
 }
@@ -63,8 +71,8 @@ TileSource TileSource::draft(fs::path folder, Manifest manifest) {
 
 TileSource TileSource::without_columns() const {
   if (manifest().columns.empty()) return *this;
-  TileSource plain(std::make_shared<const Inside>(
-      Inside{folder(), tessera::without_columns(manifest()), FileHandle{}, {inside_, &inside_->manifest}}));
+  TileSource plain(std::make_shared<const Inside>(Inside{
+      folder(), tessera::without_columns(manifest()), FileHandle{}, inside_->far, {inside_, &inside_->manifest}}));
   plain.stop_ = stop_;
   return plain;
 }
@@ -89,7 +97,33 @@ fs::path TileSource::file(TileId tile) const {
 }
 
 Status TileSource::check(std::size_t i) const {
-  return check_sum(file(i), entry(i).xxh3, data_sum_of(manifest().format_version));
+  return check(file(i), {entry(i).bytes, entry(i).xxh3, data_sum_of(manifest().format_version)});
+}
+
+Status TileSource::check(const fs::path& file, const result::ToldFile& told) const {
+  if (!is_far()) return check_sum(file, told.xxh3, told.sum);
+  BOOST_OUTCOME_TRYV(inside_->far->whole(file, told, stop_));
+  return success();
+}
+
+Result<DataFile> TileSource::open_file(std::size_t i) const {
+  if (!is_far()) return DataFile::open(file(i));
+  return inside_->far->whole(file(i), {entry(i).bytes, entry(i).xxh3, data_sum_of(manifest().format_version)}, stop_);
+}
+
+Result<std::vector<DuplicatePair>> TileSource::read_duplicates() const {
+  if (!is_far()) return tessera::read_duplicates(folder(), manifest());
+  const Manifest& told = manifest();
+  if (told.duplicates_xxh3 == 0) return std::vector<DuplicatePair>{};
+  constexpr std::uint64_t bytes_max = std::uint64_t{1} << 40;  // more than any memory
+  if (told.duplicates > bytes_max / sizeof(DuplicatePair))
+    return error(Errc::corrupt, manifest_file(folder()).string() + ": tells of too many duplicates");
+  const result::ToldFile file{told.duplicates * sizeof(DuplicatePair), told.duplicates_xxh3,
+                              data_sum_of(told.format_version)};
+  BOOST_OUTCOME_TRY(opened, inside_->far->whole(duplicates_of(folder(), told), file, stop_));
+  std::vector<std::byte> bytes(file.bytes);
+  BOOST_OUTCOME_TRYV(opened.read_up_to(0, bytes));
+  return parse_duplicates(opened.path(), bytes, told.keep);
 }
 
 // A kernel has a row of 32 bytes for each cell, and the mesh is made from these rows.
@@ -138,7 +172,8 @@ Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsFields&
 
 // Small blocks can claim many points and cells. So the numbers are compared with the manifest before memory is taken.
 Result<PointsTile> TileSource::read_points_with_columns(std::size_t i, const PointsFields& fields) const {
-  BOOST_OUTCOME_TRY(head, read_points_head(file(i), entry(i).tile));
+  BOOST_OUTCOME_TRY(at_head, open_file(i));
+  BOOST_OUTCOME_TRY(head, read_points_head(std::move(at_head), entry(i).tile));
   const TileEntry& tile = entry(i);
   const char* found =
       head.dimension != manifest().dimension ? other_dimension
@@ -148,7 +183,8 @@ Result<PointsTile> TileSource::read_points_with_columns(std::size_t i, const Poi
       : head.cell_schema() != cell_schema_of(whole()) ? other_cell_columns
                                                       : nullptr;
   if (found != nullptr) return error(Errc::corrupt, file(i).string() + ": " + found);
-  return read_points_file(file(i), tile.tile, fields);
+  BOOST_OUTCOME_TRY(whole_file, open_file(i));
+  return read_points_file(std::move(whole_file), tile.tile, fields);
 }
 
 // In the file, foreign vertices are in the order that suits a kernel; in the mesh they are sorted by id.
@@ -197,8 +233,10 @@ Result<StoredTile> TileSource::read_points(std::size_t i, const TileFields& fiel
 Result<StoredTile> TileSource::read(std::size_t i, const TileFields& fields) const {
   const auto path = file(i);
   const bool of_points = entry(i).kind == TileKind::points;
-  BOOST_OUTCOME_TRY(tile, of_points ? read_points(i, fields) : store::read_tile(path, entry(i).tile, fields));
-  BOOST_OUTCOME_TRY(bytes, file_bytes(path));
+  BOOST_OUTCOME_TRY(opened, open_file(i));
+  const std::uint64_t bytes = opened.bytes();
+  BOOST_OUTCOME_TRY(tile,
+                    of_points ? read_points(i, fields) : store::read_tile(std::move(opened), entry(i).tile, fields));
   if (bytes != entry(i).bytes)
     return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but the manifest says " +
                                     std::to_string(entry(i).bytes));
@@ -214,8 +252,9 @@ Result<StoredTile> TileSource::read(std::size_t i, const TileFields& fields) con
 }
 
 Result<std::vector<PointId>> TileSource::read_own_ids(std::size_t i) const {
-  BOOST_OUTCOME_TRY(ids, entry(i).kind == TileKind::points ? read_own_point_ids(file(i), entry(i).tile)
-                                                           : store::read_own_ids(file(i), entry(i).tile));
+  BOOST_OUTCOME_TRY(opened, is_far() ? inside_->far->ranges(file(i), entry(i).bytes, stop_) : DataFile::open(file(i)));
+  BOOST_OUTCOME_TRY(ids, entry(i).kind == TileKind::points ? read_own_point_ids(std::move(opened), entry(i).tile)
+                                                           : store::read_own_ids(std::move(opened), entry(i).tile));
   if (ids.size() != entry(i).own_points)
     return error(Errc::corrupt, file(i).string() + ": holds another number of vertices than the manifest says");
   return std::move(ids);

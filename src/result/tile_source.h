@@ -11,6 +11,8 @@
 
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
+#include "src/result/far_files.h"
+#include "src/result/store/data_file.h"
 #include "src/result/store/points_file.h"
 #include "src/result/store/points_tile.h"
 #include "src/result/store/tile_reader.h"
@@ -19,11 +21,13 @@
 namespace tessera {
 
 // Reads the tiles of one version of a result, as its manifest lists them. Cheap to copy, and safe to use from several
-// threads. While a copy exists, no writer removes the files of this version.
+// threads. While a copy exists, no writer removes the files of this version. A result may be far, in an object store or
+// behind HTTP: then files are fetched when they are needed, and the folder is the name of a place there. Of a far
+// result nothing is held: when it is replaced, reading it is an error.
 class TileSource {
  public:
   // Opens the newest version, or the one that the path names (named_version()). Reads only the manifest. Errors: those
-  // of read_manifest(); usage, with the versions that can be read, when the named one cannot.
+  // of read_manifest() and read_far_manifest(); usage, with the versions that can be read, when the named one cannot.
   static Result<TileSource> open(const std::filesystem::path& out);
 
   // Tiles of a result that is being made. REQUIRES: the files are in the folder as in a finished result.
@@ -37,6 +41,7 @@ class TileSource {
   TileSource stopped_by(std::stop_token stop) const;
 
   const std::filesystem::path& folder() const { return inside_->folder; }
+  bool is_far() const { return inside_->far != nullptr; }
   const Manifest& manifest() const { return inside_->manifest; }
   // The number of tiles that have points. They are numbered from 0, in the order of their ids.
   std::size_t tiles() const { return manifest().tiles.size(); }
@@ -61,8 +66,13 @@ class TileSource {
   Result<PointsTile> read_as_points(std::size_t i, const PointsFields& fields) const;
   // Reads only the source indices of the tile's own vertices, in the file's order. Errors: as read().
   Result<std::vector<PointId>> read_own_ids(std::size_t i) const;
+  // Reads the duplicates. Errors: those of tessera::read_duplicates().
+  Result<std::vector<DuplicatePair>> read_duplicates() const;
+  // Checks a file of the result that is not one of its tiles. Errors: corrupt, io.
+  Status check(const std::filesystem::path& file, const result::ToldFile& told) const;
 
  private:
+  Result<DataFile> open_file(std::size_t i) const;
   Result<StoredTile> read_points(std::size_t i, const TileFields& fields) const;
   Result<PointsTile> read_points_with_columns(std::size_t i, const PointsFields& fields) const;
   // The manifest with the columns that the files have.
@@ -71,6 +81,7 @@ class TileSource {
     std::filesystem::path folder;
     Manifest manifest;
     FileHandle held;                             // held_manifest.h
+    std::shared_ptr<result::FarFiles> far = {};  // null: the result is in a folder
     std::shared_ptr<const Manifest> whole = {};  // null: all columns are in `manifest`
   };
   explicit TileSource(std::shared_ptr<const Inside> inside) : inside_(std::move(inside)) {}

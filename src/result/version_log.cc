@@ -10,6 +10,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/json/json_text.h"
+#include "src/result/far_files.h"
 #include "src/result/held_manifest.h"
 
 namespace tessera {
@@ -163,6 +164,10 @@ std::string version_log_text(const VersionLog& log) {
 }
 
 Result<ToldVersions> tell_versions(const fs::path& out) {
+  if (result::is_far(out))
+    return error(Errc::usage, out.string() +
+                                  ": only the newest version of a result in an object store can be read, so "
+                                  "there is no list of versions");
   BOOST_OUTCOME_TRY(held, result::hold_manifest(out));
   const Manifest& manifest = held.manifest;
   BOOST_OUTCOME_TRY(log, read_version_log(out, manifest.version));

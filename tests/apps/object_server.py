@@ -27,6 +27,9 @@ class Request:
     end: int  # behind the last byte
     headers: dict
     peer: tuple
+    method: str = "GET"
+    query: str = ""
+    sent: bytes = b""
 
 
 class ObjectServer:
@@ -45,6 +48,8 @@ class ObjectServer:
 
             def do_GET(self):
                 outer.answer(self)
+
+            do_PUT = do_POST = do_DELETE = do_GET
 
             def log_message(self, *_):
                 pass
@@ -79,8 +84,12 @@ class ObjectServer:
     def bytes_asked(self):
         return sum(min(request.end, len(self.objects[request.name])) - request.begin for request in self.requests)
 
-    def gate(self, handler):
+    def gate(self, handler, request):
         """An answer for who may not ask, or for what is no object."""
+
+    def change(self, request):
+        """The answer to a request that is not for reading."""
+        return Answer(405, {}, b"read only")
 
     def honest(self, name, begin, end, if_match):
         body = self.objects.get(name)
@@ -101,15 +110,20 @@ class ObjectServer:
         name = urllib.parse.unquote(handler.path.split("?")[0].lstrip("/"))
         asked = re.fullmatch(r"bytes=(\d+)-(\d+)", handler.headers.get("Range", ""))
         begin, end = (int(asked[1]), int(asked[2]) + 1) if asked else (None, None)
+        sent = handler.rfile.read(int(handler.headers.get("Content-Length") or 0))
         with self.lock:
-            request = Request(len(self.requests), name, begin, end, dict(handler.headers), handler.client_address)
+            request = Request(len(self.requests), name, begin, end, dict(handler.headers), handler.client_address,
+                              handler.command, handler.path.partition("?")[2], sent)
             self.requests.append(request)
             self.under_way += 1
             self.most_at_once = max(self.most_at_once, self.under_way)
         try:
             if self.delay_s:
                 time.sleep(self.delay_s)
-            answer = self.gate(handler) or self.honest(name, begin, end, handler.headers.get("If-Match"))
+            answer = self.gate(handler, request)
+            if answer is None and request.method != "GET":
+                answer = self.change(request)
+            answer = answer or self.honest(name, begin, end, handler.headers.get("If-Match"))
             answer = self.fault(request, answer)
         finally:
             with self.lock:

@@ -28,7 +28,7 @@ NOT_RUN = {
     "cluster.md": "they need several machines; tests/daemon/local_cluster.py starts the daemons of a cluster",
     "operations.md": "they install services; deploy/try-packages.sh and deploy/try-container.sh do so in clean systems",
     "qgis.md": "tests/qgis runs all algorithms",
-    "remote.md": "they need servers; cli_objects_test, cli_s3_test and cli_nginx_test in tests/apps have their own",
+    "remote.md": "they need servers; cli_objects_test, cli_s3_test, cli_far_test and cli_nginx_test in tests/apps have their own",
 }
 # Commands for a daemon, which tests/daemon/guide_test.py has, for other servers, and measurements.
 LEFT_OUT = re.compile(r"--server|NAME |hills|\bURL\b|https://|s3://")

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
 
 namespace tessera {
@@ -15,6 +16,8 @@ class MappedFile {
  public:
   // Error io.
   static Result<MappedFile> open(const std::filesystem::path& path);
+  // The same for an open file, which may be closed afterwards. `path` is for errors.
+  static Result<MappedFile> open(const FileHandle& file, const std::filesystem::path& path);
   MappedFile(MappedFile&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
   MappedFile& operator=(MappedFile&&) = delete;
   ~MappedFile();

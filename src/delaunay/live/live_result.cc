@@ -8,6 +8,7 @@
 #include "src/base/on_threads.h"
 #include "src/base/stopped.h"
 #include "src/delaunay/update/known_in_change.h"
+#include "src/result/far_files.h"
 
 namespace tessera {
 
@@ -35,6 +36,7 @@ Error LiveResult::refuse(const std::string& why) const {
 
 Result<std::unique_ptr<LiveResult>> LiveResult::open(const fs::path& out, const LiveOptions& options,
                                                      const std::stop_token& stop) {
+  BOOST_OUTCOME_TRYV(result::refuse_far(out));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   BOOST_OUTCOME_TRYV(check_changeable(out, source.manifest()));
   BOOST_OUTCOME_TRY(partition, Partition::from_json(source.manifest().partition));

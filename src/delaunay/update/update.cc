@@ -29,6 +29,7 @@
 #include "src/delaunay/update/update_plan.h"
 #include "src/delaunay/update/update_stages.h"
 #include "src/delaunay/update/updated_result.h"
+#include "src/result/far_files.h"
 #include "src/result/measure/made_again.h"
 #include "src/result/new_version.h"
 #include "src/result/tile_source.h"
@@ -156,6 +157,7 @@ struct Target {
 };
 
 Result<Target> open_target(const fs::path& result, const UpdateOptions& options) {
+  BOOST_OUTCOME_TRYV(result::refuse_far(result));
   if (options.dry_run || !options.to.empty()) {
     BOOST_OUTCOME_TRY(source, TileSource::open(result));
     return Target{nullptr, std::move(source)};

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "src/base/result.h"
+#include "src/input/bytes/objects.h"
 
 namespace tessera::apps {
 
@@ -31,10 +32,14 @@ struct Interrupt::Impl {
 
 Interrupt::Interrupt() : impl_(std::make_unique<Impl>()) {
   impl_->wait();
+  stop_objects_by(impl_->source.get_token());
   impl_->thread = std::jthread([impl = impl_.get()] { impl->context.run(); });
 }
 
-Interrupt::~Interrupt() { impl_->context.stop(); }
+Interrupt::~Interrupt() {
+  stop_objects_by({});
+  impl_->context.stop();
+}
 
 std::stop_token Interrupt::token() const { return impl_->source.get_token(); }
 

@@ -17,6 +17,7 @@
 #include "src/front/apps/say.h"
 #include "src/job/arguments.h"
 #include "src/job/version.h"
+#include "src/result/far_files.h"
 #include "src/result/store/tile_store.h"
 
 namespace tessera::apps {
@@ -52,6 +53,7 @@ Status run_materialise(Settings& settings, const std::string& folder, const std:
   options.command = command_line;
   options.software_version = version();
   options.to = settings.text("output").value_or("");
+  BOOST_OUTCOME_TRYV(result::refuse_far(folder));
   if (settings.text("bbox")) {
     BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
     BOOST_OUTCOME_TRY(

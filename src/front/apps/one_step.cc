@@ -15,6 +15,7 @@
 #include "src/front/apps/version_option.h"
 #include "src/front/apps/watching.h"
 #include "src/input/bytes/objects.h"
+#include "src/input/cloud/inputs.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
 #include "src/job/report/progress_display.h"
@@ -33,7 +34,7 @@ Result<bool> is_result(const std::vector<std::string>& sources) {
   if (sources.empty()) return true;
   if (sources.size() > 1) return false;
   if (named_version(sources[0])) return true;
-  if (names_object(sources[0])) return false;
+  if (names_object(sources[0])) return is_result_folder(sources[0]);
   const bool names_files = sources[0] == "-" || sources[0].find_first_of("*?[") != std::string::npos;
   BOOST_OUTCOME_TRY(there, is_there(sources[0]));
   if (!there) return !names_files;

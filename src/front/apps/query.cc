@@ -10,6 +10,7 @@
 #include "src/front/apps/log.h"
 #include "src/front/apps/machine_options.h"
 #include "src/front/apps/query_run.h"
+#include "src/front/apps/triangulate_options.h"
 #include "src/front/apps/version_option.h"
 #include "src/job/arguments.h"
 
@@ -170,12 +171,14 @@ Command add_query(CLI::App& root) {
             "for many answers: csv, json (one a line) or npy; for a single answer: json; for cells: a format of "
             "'tessera export'; default: the format of the ending of --output");
   add_version_option(command);
+  add_store_options(command);
   add_memory_option(command, "tiles");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_output_switches(command);
   auto asked = std::make_shared<Asked>();
-  add_argument(command, "result", "FOLDER", asked->folder, "result folder");
+  add_argument(command, "result", "FOLDER", asked->folder,
+               "result folder, also s3://bucket/folder or https://host/folder");
   add_argument(command, "question", "QUESTION", asked->question, "locate, star, neighbours, cells or interpolate");
   add_choices(command, "question", "locate, star, neighbours, cells, interpolate");
   add_argument(

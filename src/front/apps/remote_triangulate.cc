@@ -7,6 +7,7 @@
 #include "src/front/apps/remote_inputs.h"
 #include "src/front/apps/server_options.h"
 #include "src/front/apps/watching.h"
+#include "src/input/bytes/objects.h"
 
 namespace tessera::apps {
 namespace {
@@ -17,6 +18,10 @@ Status refuse_what_is_local(const Settings& settings, const TriangulateOptions& 
   if (settings.text("input-list").has_value())
     return error(Errc::usage,
                  "--input-list is not for a job of a daemon: name the daemon's files, folders or patterns");
+  if (names_object(options.out.string()))
+    return error(Errc::usage, options.out.string() +
+                                  ": a daemon keeps its results in its data folder, which all nodes share; 'tessera "
+                                  "fetch' copies a result from there, and 'tessera upload' sends the copy to a store");
   if (options.resume)
     return error(Errc::usage, "--resume is not for a job of a daemon: 'tessera resume ID' continues one");
   return success();

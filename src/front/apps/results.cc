@@ -9,6 +9,7 @@
 
 #include "src/base/files/there.h"
 #include "src/front/apps/command.h"
+#include "src/front/apps/far_results.h"
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/job_text.h"
 #include "src/front/apps/log.h"
@@ -18,6 +19,8 @@
 #include "src/front/apps/remote_result.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
+#include "src/front/apps/triangulate_options.h"
+#include "src/input/bytes/objects.h"
 #include "src/job/report/human.h"
 #include "src/service/client/fetch.h"
 
@@ -71,6 +74,7 @@ Status run_fetch(Settings& settings, const std::string& name) {
   if (name.empty()) return error(Errc::usage, "no result is given; 'tessera results' lists them");
   if (folder.empty()) return error(Errc::usage, "no folder is given; add -o FOLDER");
   BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (names_object(name)) return fetch_from_store(name, folder, output);
   BOOST_OUTCOME_TRY(server, open_server(settings));
   if (output.verbose) log_everything();
   const Interrupt interrupt;
@@ -114,23 +118,25 @@ Command add_results(CLI::App& root) {
 }
 
 Command add_fetch(CLI::App& root) {
-  auto command =
-      new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
-                  "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
-                  "  tessera fetch NAME -o out/      (again, after Ctrl-C: continues where it was)\n"
-                  "  tessera fetch ID -o mesh.ply    (the files that a job has made of a result, as export or dem)");
+  auto command = new_command(
+      root, "fetch", "Copies a result of a daemon or of an object store into a folder here, and checks every file",
+      "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
+      "  tessera fetch NAME -o out/      (again, after Ctrl-C: continues where it was)\n"
+      "  tessera fetch ID -o mesh.ply    (the files that a job has made of a result, as export or dem)\n"
+      "  tessera fetch s3://bucket/folder -o out/");
   set_group(command, daemon_group);
   add_value(command, "output", "FOLDER",
             "for a result: a folder that is new, empty, or left by an earlier fetch; for the files of a job: the file "
             "or folder to write",
             'o', true);
+  add_store_options(command);
   add_server_options(command);
   add_output_switches(command);
   auto name = std::make_shared<std::string>();
   add_argument(
       command, "result", "NAME", *name,
       "the name of a result, as 'tessera results' shows it; or the id of a job that made files of one, as export "
-      "or dem");
+      "or dem; or the place of a result, as s3://bucket/folder or https://host/folder");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_fetch(*settings, *name);
   };

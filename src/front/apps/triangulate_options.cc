@@ -25,14 +25,18 @@ Result<KernelKind> parse_kernel(const std::string& text) {
 
 }  // namespace
 
-void add_source_options(Command& command) {
-  add_switch(command, "recursive", "take the files in subfolders of input folders, too");
+void add_store_options(Command& command) {
   add_value(
       command, "endpoint", "URL",
       "s3://: a server other than Amazon's, as https://host:port; default: AWS_ENDPOINT_URL, or what ~/.aws says");
   add_value(command, "profile", "NAME", "s3://: the profile in ~/.aws that says who asks; default: AWS_PROFILE");
   add_switch(command, "anonymous", "s3://: do not sign requests, for objects that anyone may read");
   add_switch(command, "requester-pays", "s3://: agree to pay for what is transferred, where the owner wants that");
+}
+
+void add_source_options(Command& command) {
+  add_switch(command, "recursive", "take the files in subfolders of input folders, too");
+  add_store_options(command);
   add_value(command, "class", "LIST", "keep only points of these LAS classes, for example 2,9");
   add_value(command, "scan", "LIST", "E57, PTX: keep only points of these scans, numbered from 0, for example 0,2");
   add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");

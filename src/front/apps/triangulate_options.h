@@ -20,7 +20,9 @@ struct TriangulateOptions {
   OutputOptions output;
 };
 
-// Adds options that say which points of which files are taken.
+// Adds options that say how objects in stores are asked for: s3://bucket/folder.
+void add_store_options(Command& command);
+// Adds the options above, and those that say which points of which files are taken.
 void add_source_options(Command& command);
 void add_dimension(Command& command);  // --dim
 // Adds the two groups above, and the options about resources and about what a result stores.

@@ -33,6 +33,7 @@
 #include "src/job/new_points.h"
 #include "src/job/told_update.h"
 #include "src/job/version.h"
+#include "src/result/far_files.h"
 #include "src/result/tile_source.h"
 #include "src/result/voronoi/clip_region.h"
 #include "src/result/voronoi/read_clip.h"
@@ -219,6 +220,7 @@ Status run_update(Settings& settings, const UpdateFiles& files, const std::vecto
   if (names_server(settings))
     return update_remotely(settings, {files.result, files.add, files.polygons, files.inputs}, request.output);
   BOOST_OUTCOME_TRYV(refuse_detach(settings));
+  BOOST_OUTCOME_TRYV(result::refuse_far(request.result));
   request.options.command = command_line;
   request.options.software_version = version();
   const Interrupt interrupt;

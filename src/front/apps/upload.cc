@@ -1,4 +1,4 @@
-// tessera upload: sends files to a daemon, as inputs for its jobs.
+// tessera upload: sends files to a daemon, as inputs for its jobs; or a result to an object store.
 #include "src/service/client/upload.h"
 #include "src/front/apps/say.h"
 
@@ -12,10 +12,13 @@
 
 #include "src/base/files/there.h"
 #include "src/front/apps/command.h"
+#include "src/front/apps/far_results.h"
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/log.h"
 #include "src/front/apps/percent_line.h"
 #include "src/front/apps/server_options.h"
+#include "src/front/apps/triangulate_options.h"
+#include "src/input/bytes/objects.h"
 #include "src/job/report/human.h"
 
 namespace tessera::apps {
@@ -41,6 +44,12 @@ Status run_upload(Settings& settings, const std::vector<std::string>& files) {
   if (files.empty()) return error(Errc::usage, "no file to send is given; try 'tessera upload --help'");
   if (folder.empty()) return error(Errc::usage, "no folder is given; add -o NAME");
   BOOST_OUTCOME_TRY(output, output_options(settings));
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  if (names_object(folder)) {
+    if (files.size() != 1) return error(Errc::usage, folder + ": give one result folder to send there, not several");
+    return upload_to_store(files.front(), folder, overwrite, output);
+  }
+  if (overwrite) return error(Errc::usage, "--overwrite is for results in object stores; a daemon replaces files");
   BOOST_OUTCOME_TRY(server, open_server(settings));
   BOOST_OUTCOME_TRYV(check_files(files));
   if (output.verbose) log_everything();
@@ -70,17 +79,21 @@ Status run_upload(Settings& settings, const std::vector<std::string>& files) {
 
 Command add_upload(CLI::App& root) {
   auto command = new_command(
-      root, "upload", "Sends files to a daemon, for its jobs to read",
+      root, "upload", "Sends files to a daemon, for its jobs to read; or a result to an object store",
       "  tessera upload block/*.laz -o block --server http://127.0.0.1:7070\n"
-      "  tessera triangulate upload:block -o block      (all of them; or upload:block/a.laz)\n\n"
+      "  tessera triangulate upload:block -o block      (all of them; or upload:block/a.laz)\n"
+      "  tessera upload out/ -o s3://bucket/folder      (a result folder)\n\n"
       "A daemon takes files if it was started with --uploads. When a connection ends, the upload continues\n"
       "on a new one. Files of the same names at the daemon are replaced.");
   set_group(command, daemon_group);
-  add_value(command, "output", "NAME", "the folder at the daemon, which jobs call upload:NAME", 'o', true);
+  add_value(command, "output", "NAME",
+            "the folder at the daemon, which jobs call upload:NAME; or for a result s3://bucket/folder", 'o', true);
+  add_switch(command, "overwrite", "s3://: replace a result that is there", 0, true);
+  add_store_options(command);
   add_server_options(command);
   add_output_switches(command);
   auto files = std::make_shared<std::vector<std::string>>();
-  add_argument(command, "files", "FILE", *files, "point files of this machine");
+  add_argument(command, "files", "FILE", *files, "point files of this machine; or one result folder");
   command.run = [settings = command.settings.get(), files](const std::vector<std::string>&) {
     return run_upload(*settings, *files);
   };

@@ -14,6 +14,7 @@
 #include "src/front/apps/remote_result.h"
 #include "src/front/apps/say.h"
 #include "src/front/apps/server_options.h"
+#include "src/front/apps/triangulate_options.h"
 #include "src/front/apps/version_option.h"
 #include "src/job/arguments.h"
 #include "src/job/engine_steps.h"
@@ -106,11 +107,13 @@ Command add_verify(CLI::App& root) {
             "for a surface (a .ply file, or a folder of such files): the 3D result that it was made of; the surface is "
             "made again and compared");
   add_version_option(command);
+  add_store_options(command);
   add_threads_option(command);
   add_remote_options(command);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  add_argument(command, "result", "FOLDER", *folder, "result folder; with --server, the name of the result");
+  add_argument(command, "result", "FOLDER", *folder,
+               "result folder, also s3://bucket/folder or https://host/folder; with --server, the name of the result");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
     return run_verify(*settings, *folder);
   };

@@ -148,9 +148,20 @@ Status add_list(const std::string& list, bool recursive, Spool& spool, std::vect
   return success();
 }
 
+// Whether a name is that of a result in a store. The server is not asked about names of point files and lists.
+Result<bool> is_far_result(const fs::path& name) {
+  const std::string text = name.string();
+  const auto named = named_version(name);
+  if (text.find_first_of("?#") != std::string::npos || text.ends_with("://")) return false;
+  if (!named && (has_point_file_name(name) || name.extension() == ".json" || name.extension() == ".geojson"))
+    return false;
+  return object_exists(manifest_file(named ? named->out : name).string(), {});
+}
+
 }  // namespace
 
 Result<bool> is_result_folder(const fs::path& folder) {
+  if (names_object(folder.string())) return is_far_result(folder);
   if (const auto named = named_version(folder)) return is_there(manifest_file(named->out));
   for (const auto& inside : {run_folder(folder), lock_folder(folder)}) {
     BOOST_OUTCOME_TRY(there, is_folder(inside));

@@ -40,4 +40,7 @@ Result<OpenedObject> open_http(const Url& url, Asking asking, std::shared_ptr<Tr
 Result<std::vector<std::byte>> get_http(const Url& url, Asking asking, Transfers& transfers, std::size_t bytes_max,
                                         const std::stop_token& stop);
 
+// Whether there is an object that may be read. Errors: those of RangeReader::read().
+Result<bool> http_exists(const Url& url, Asking asking, Transfers& transfers, const std::stop_token& stop);
+
 }  // namespace tessera::remote

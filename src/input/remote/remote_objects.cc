@@ -1,5 +1,6 @@
 #include "src/input/remote/remote_objects.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <mutex>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "src/input/remote/kept_source.h"
 #include "src/input/remote/s3.h"
 #include "src/input/remote/s3_listing.h"
+#include "src/input/remote/s3_writer.h"
 #include "src/input/remote/stac.h"
 #include "src/input/remote/transfers.h"
 #include "src/input/remote/url.h"
@@ -27,6 +29,8 @@ namespace {
 
 // Enough for the header of most LAS files, and for what tells other formats.
 constexpr std::size_t begin_bytes = std::size_t{16} << 10;
+// Of an object that is wanted as a whole.
+constexpr std::size_t piece_bytes = std::size_t{1} << 20, pieces_at_once = 8;
 constexpr std::size_t stac_document_bytes_max = std::size_t{16} << 20;
 constexpr std::size_t stac_documents_max = 10'000, stac_files_max = 100'000;
 
@@ -52,7 +56,57 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
     return list_s3(name, recursive, access, *transfers(), stop);
   }
 
+  Status copy(const std::string& name, ObjectTaker& to, std::stop_token stop) override {
+    BOOST_OUTCOME_TRY(place, place_of(name));
+    BOOST_OUTCOME_TRY(opened, open_http(place.url, std::move(place.asking), transfers(), piece_bytes, std::move(stop)));
+    const std::uint64_t size = opened.object->size();
+    BOOST_OUTCOME_TRYV(to.begin(size));
+    BOOST_OUTCOME_TRYV(to.take(opened.begin));
+    std::uint64_t at = opened.begin.size();
+    while (at < size) {
+      std::vector<ByteRange> ranges;
+      for (; at < size && ranges.size() < pieces_at_once; at = ranges.back().end)
+        ranges.push_back({at, std::min<std::uint64_t>(at + piece_bytes, size)});
+      BOOST_OUTCOME_TRY(pieces, opened.object->read(ranges));
+      for (const auto& piece : pieces) {
+        BOOST_OUTCOME_TRYV(to.take(piece));
+      }
+    }
+    return success();
+  }
+
+  Result<bool> exists(const std::string& name, std::stop_token stop) override {
+    BOOST_OUTCOME_TRY(place, place_of(name));
+    return http_exists(place.url, std::move(place.asking), *transfers(), stop);
+  }
+
+  Status put(std::span<const NewObject> objects, const std::function<void(std::uint64_t)>& told,
+             std::stop_token stop) override {
+    for (const NewObject& object : objects) {
+      BOOST_OUTCOME_TRYV(check_store(object.name));
+    }
+    BOOST_OUTCOME_TRY(writer, s3_writer());
+    return writer->put(objects, told, stop);
+  }
+
+  Status check_writable(const std::string& name, std::stop_token stop) override {
+    BOOST_OUTCOME_TRYV(check_store(name));
+    BOOST_OUTCOME_TRY(writer, s3_writer());
+    return writer->check_writable(name, stop);
+  }
+
+  Status remove(const std::string& name, std::stop_token stop) override {
+    BOOST_OUTCOME_TRYV(check_store(name));
+    BOOST_OUTCOME_TRY(writer, s3_writer());
+    return writer->remove(name, stop);
+  }
+
  private:
+  static Status check_store(const std::string& name) {
+    if (is_s3(name)) return success();
+    return error(Errc::usage, without_secrets(name) + ": of objects only those of s3:// can be written");
+  }
+
   struct Place {
     Url url;
     Asking asking;
@@ -151,6 +205,14 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
     return transfers_;
   }
 
+  Result<std::shared_ptr<S3Writer>> s3_writer() {
+    BOOST_OUTCOME_TRY(access, s3_access());
+    auto requests = transfers();
+    const std::lock_guard lock(mutex_);
+    if (!writer_) writer_ = std::make_shared<S3Writer>(std::move(access), std::move(requests));
+    return writer_;
+  }
+
   // Found once: the variables and files of this process do not change.
   Result<S3Access> s3_access() {
     const std::lock_guard lock(mutex_);
@@ -165,6 +227,7 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
   std::optional<Result<S3Access>> s3_access_;
   std::mutex mutex_;
   std::shared_ptr<Transfers> transfers_;
+  std::shared_ptr<S3Writer> writer_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/option.h"
 #include "src/base/printable.h"
+#include "src/input/remote/curl_library.h"
 
 namespace tessera::remote {
 namespace {
@@ -114,6 +116,14 @@ Asking S3Access::asking() const {
   Asking asking{.headers = {}, .signing = signing, .region = region, .of_store = true};
   if (requester_pays) asking.headers.push_back("x-amz-request-payer: requester");
   return asking;
+}
+
+std::string as_parameter(const std::string& text) {
+  const auto curl = curl_library();
+  if (!curl) return "";  // then no request can be made at all
+  const std::unique_ptr<char, decltype(CurlLibrary::free)> made(
+      curl.value()->easy_escape(nullptr, text.data(), static_cast<int>(text.size())), curl.value()->free);
+  return made ? made.get() : "";
 }
 
 bool is_s3(const std::string& name) { return name.starts_with("s3://"); }

@@ -40,6 +40,9 @@ bool is_s3(const std::string& name);
 // is not set. Error usage when there are no credentials and `anonymous` is false; io when a file cannot be read.
 Result<S3Access> find_s3_access(const S3Options& options, const std::function<const char*(const char*)>& variable);
 
+// A text as a value behind '?' in an address, as it is signed.
+std::string as_parameter(const std::string& text);
+
 // The address of an object. Error usage for a name without bucket or key.
 Result<Url> s3_address(const std::string& name, const S3Access& access);
 

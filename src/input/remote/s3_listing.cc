@@ -57,12 +57,6 @@ class PageTaker {
   bool whole_ = false, truncated_ = false, refused_ = false;
 };
 
-std::string escaped(const CurlLibrary& curl, const std::string& text) {
-  const std::unique_ptr<char, decltype(curl.free)> made(
-      curl.easy_escape(nullptr, text.data(), static_cast<int>(text.size())), curl.free);
-  return made ? made.get() : "";
-}
-
 }  // namespace
 
 Result<S3Page> parse_s3_page(std::span<const std::byte> xml) {
@@ -97,15 +91,14 @@ Result<std::vector<std::string>> list_s3(const std::string& name, bool recursive
   const auto slash = name.find('/', 5);
   const std::string bucket = name.substr(0, slash) + "/", folder = slash == name.npos ? "" : name.substr(slash + 1);
   BOOST_OUTCOME_TRY(url, s3_address(bucket, access));
-  BOOST_OUTCOME_TRY(curl, curl_library());
   std::vector<std::string> names;
   bool folders = false;
   S3Page page;
   do {
     // Sorted by their names, because a signature is of the sorted parameters.
-    std::string parameters = page.next.empty() ? "" : "continuation-token=" + escaped(*curl, page.next) + "&";
+    std::string parameters = page.next.empty() ? "" : "continuation-token=" + as_parameter(page.next) + "&";
     if (!recursive) parameters += "delimiter=%2F&";
-    parameters += "encoding-type=url&list-type=2&prefix=" + escaped(*curl, folder);
+    parameters += "encoding-type=url&list-type=2&prefix=" + as_parameter(folder);
     Url page_url = url;
     page_url.address += "?" + parameters;
     page_url.shown = name;

@@ -1,5 +1,6 @@
 #include "src/input/remote/transfers.h"
 
+#include <openssl/evp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -123,10 +124,51 @@ bool is_passing(CURLcode code) {
   }
 }
 
+// SHA-256 of what a request sends, in hexadecimal digits.
+std::string digest_of_body(const HttpRequest& request) {
+  constexpr const char* digits = "0123456789abcdef";
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  const std::vector<std::byte> nothing;
+  const auto& body = request.body ? *request.body : nothing;
+  if (EVP_Digest(body.data(), body.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) return "UNSIGNED-PAYLOAD";
+  std::string text;
+  for (unsigned i = 0; i < size; ++i) {
+    text += digits[digest[i] >> 4];
+    text += digits[digest[i] & 15];
+  }
+  return text;
+}
+
+// The server compares what arrives with its digest, which is a part of the signature.
 void sign(const CurlLibrary& curl, CURL* handle, const HttpRequest& request) {
   curl.easy_setopt(handle, CURLOPT_AWS_SIGV4, ("aws:amz:" + request.region + ":s3").c_str());
   curl.easy_setopt(handle, CURLOPT_USERNAME, request.signing->key.c_str());
   curl.easy_setopt(handle, CURLOPT_PASSWORD, request.signing->secret.c_str());
+}
+
+bool sends(const HttpRequest& request) { return request.method == "PUT" || request.method == "POST"; }
+
+curl_slist* headers_of(const CurlLibrary& curl, const HttpRequest& request) {
+  curl_slist* list = nullptr;
+  for (const auto& header : request.headers) list = curl.slist_append(list, header.c_str());
+  if (sends(request)) list = curl.slist_append(list, "Content-Type: application/octet-stream");
+  if (!request.signing) return list;
+  list = curl.slist_append(list, ("x-amz-content-sha256: " + digest_of_body(request)).c_str());
+  const std::string& token = request.signing->token;
+  if (!token.empty()) list = curl.slist_append(list, ("x-amz-security-token: " + token).c_str());
+  return list;
+}
+
+// What is asked, and what is sent with it.
+void set_method(const CurlLibrary& curl, CURL* handle, const HttpRequest& request) {
+  if (sends(request)) {
+    const bool empty = !request.body || request.body->empty();
+    curl.easy_setopt(handle, CURLOPT_POSTFIELDSIZE_LARGE,
+                     empty ? curl_off_t{0} : static_cast<curl_off_t>(request.body->size()));
+    curl.easy_setopt(handle, CURLOPT_POSTFIELDS, empty ? "" : static_cast<const void*>(request.body->data()));
+  }
+  if (request.method != "GET") curl.easy_setopt(handle, CURLOPT_CUSTOMREQUEST, request.method.c_str());
 }
 
 }  // namespace
@@ -167,11 +209,7 @@ void Transfers::Impl::begin(const Transfer& transfer) {
     return;
   }
   const HttpRequest& request = *transfer.request;
-  for (const auto& header : request.headers) arriving->headers = curl.slist_append(arriving->headers, header.c_str());
-  if (request.signing && !request.signing->token.empty()) {
-    const std::string token = "x-amz-security-token: " + request.signing->token;
-    arriving->headers = curl.slist_append(arriving->headers, token.c_str());
-  }
+  arriving->headers = headers_of(curl, request);
   curl.easy_setopt(handle, CURLOPT_URL, request.address.c_str());
   curl.easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
   curl.easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 0L);
@@ -190,11 +228,12 @@ void Transfers::Impl::begin(const Transfer& transfer) {
     curl.easy_setopt(handle, CURLOPT_OPENSOCKETFUNCTION, open_socket);
     curl.easy_setopt(handle, CURLOPT_OPENSOCKETDATA, arriving.get());
   }
+  set_method(curl, handle, request);
   curl.easy_setopt(handle, CURLOPT_HTTPHEADER, arriving->headers);
   curl.easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS, patience.connect_ms);
   curl.easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, patience.slow_bytes);
-  curl.easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, patience.slow_s);
-  curl.easy_setopt(handle, CURLOPT_TIMEOUT, patience.whole_s);
+  curl.easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, sends(request) ? patience.slow_write_s : patience.slow_s);
+  curl.easy_setopt(handle, CURLOPT_TIMEOUT, sends(request) ? patience.whole_write_s : patience.whole_s);
   curl.easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
   curl.easy_setopt(handle, CURLOPT_HEADERDATA, arriving.get());
   curl.easy_setopt(handle, CURLOPT_WRITEFUNCTION, take_body);

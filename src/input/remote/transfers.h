@@ -21,6 +21,8 @@ struct Patience {
   // A transfer of fewer bytes a second than that, on average over so many seconds, is given up.
   long slow_bytes = 1024, slow_s = 20;
   long whole_s = 300;  // one request, whatever comes
+  // The same for requests that send something: stores take their time to put parts together, and lines to send.
+  long slow_write_s = 120, whole_write_s = 3600;
 };
 
 // Who signs requests (Signature Version 4 of AWS).
@@ -32,6 +34,8 @@ struct Signing {
 struct HttpRequest {
   std::string address;
   std::string range;  // "0-16383"; empty: the whole answer is wanted
+  std::string method = "GET";
+  std::shared_ptr<const std::vector<std::byte>> body = {};  // what PUT and POST send; null: nothing
   std::vector<std::string> headers = {};
   std::shared_ptr<const Signing> signing = {};  // null: not signed
   std::string region = {};                      // for which the signature is

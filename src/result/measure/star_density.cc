@@ -31,7 +31,7 @@ Result<VertexMasses> VertexMasses::open(const TileSource& source, const std::str
   if (manifest.duplicates > memory_bytes / (2 * sizeof(DuplicatePair)))
     return error(Errc::memory, source.folder().string() + ": its " + std::to_string(manifest.duplicates) +
                                    " duplicates do not fit into the memory; " + option("memory") + " must be larger");
-  BOOST_OUTCOME_TRY(pairs, read_duplicates(source.folder(), manifest));
+  BOOST_OUTCOME_TRY(pairs, source.read_duplicates());
   std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.kept < b.kept; });
   for (const DuplicatePair& pair : pairs) {
     if (masses.shared_.empty() || masses.shared_.back().vertex != pair.kept) masses.shared_.push_back({pair.kept, 0});

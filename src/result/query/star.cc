@@ -69,9 +69,9 @@ bool is_closed(const QueryTile& tile, std::int32_t vertex, const std::vector<std
 }
 
 // The kept point of a duplicate; nothing if the point is no duplicate.
-Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const Manifest& manifest, PointId id) {
-  if (manifest.duplicates == 0) return std::optional<PointId>{};
-  BOOST_OUTCOME_TRY(pairs, read_duplicates(out, manifest));
+Result<std::optional<PointId>> kept_for(const TileSource& source, PointId id) {
+  if (source.manifest().duplicates == 0) return std::optional<PointId>{};
+  BOOST_OUTCOME_TRY(pairs, source.read_duplicates());
   const auto pair = std::lower_bound(pairs.begin(), pairs.end(), DuplicatePair{id, PointId{0}});
   if (pair == pairs.end() || pair->duplicate != id) return std::optional<PointId>{};
   return std::optional(pair->kept);
@@ -91,7 +91,7 @@ Result<TileId> find_owner(const OpenedResult& result, PointId& id, const AskOpti
   const Manifest& manifest = result.manifest;
   BOOST_OUTCOME_TRY(found, result.owner_of(id, options.stop));
   if (found) return *found;
-  BOOST_OUTCOME_TRY(kept, kept_for(result.out, manifest, id));
+  BOOST_OUTCOME_TRY(kept, kept_for(result.source, id));
   if (manifest.region)
     return error(Errc::usage, result.out.string() + ": point " + to_string(id) +
                                   " of the input is a vertex of no cell of this region");

@@ -65,15 +65,18 @@ fs::path duplicate_rows_of(const fs::path& out, const Manifest& manifest) {
 }
 
 Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, const Manifest& manifest) {
-  std::vector<DuplicatePair> pairs;
-  const DuplicatePolicy keep = manifest.keep;
   const auto path = duplicates_of(out, manifest);
-  if (manifest.format_version >= updated_format && manifest.duplicates_xxh3 == 0) return pairs;
+  if (manifest.format_version >= updated_format && manifest.duplicates_xxh3 == 0) return std::vector<DuplicatePair>{};
   BOOST_OUTCOME_TRY(there, is_there(path));
-  if (!there) return pairs;
+  if (!there) return std::vector<DuplicatePair>{};
   BOOST_OUTCOME_TRY(bytes, read_whole(path));
+  return parse_duplicates(path, bytes, manifest.keep);
+}
+
+Result<std::vector<DuplicatePair>> parse_duplicates(const fs::path& path, std::span<const std::byte> bytes,
+                                                    DuplicatePolicy keep) {
   if (bytes.size() % 16 != 0) return error(Errc::corrupt, path.string() + ": ends in the middle of a pair");
-  pairs.resize(bytes.size() / 16);
+  std::vector<DuplicatePair> pairs(bytes.size() / 16);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     std::memcpy(&pairs[i].duplicate, bytes.data() + 16 * i, 8);
     std::memcpy(&pairs[i].kept, bytes.data() + 16 * i + 8, 8);

@@ -1,6 +1,5 @@
 #include "src/result/store/packed_tile.h"
 
-#include <fcntl.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -53,29 +52,20 @@ bool inflate_block(std::span<const std::byte> from, std::span<std::byte> to) {
 
 }  // namespace
 
-Result<PackedTile> PackedTile::open(const std::filesystem::path& path, TileId tile) {
-  PackedTile opened(path);
-  BOOST_OUTCOME_TRYV(opened.open());
+Result<PackedTile> PackedTile::open(DataFile file, TileId tile) {
+  PackedTile opened(std::move(file));
   BOOST_OUTCOME_TRYV(opened.read_header(tile));
   BOOST_OUTCOME_TRYV(opened.read_tables());
   return opened;
 }
 
 Error PackedTile::corrupt(const std::string& place, const std::string& reason) const {
-  return error(Errc::corrupt, path_.string() + ", " + place + ": " + reason);
-}
-
-Status PackedTile::open() {
-  BOOST_OUTCOME_TRY(file, open_handle(path_, O_RDONLY));
-  BOOST_OUTCOME_TRY(bytes, size_of(file, path_));
-  file_ = std::move(file);
-  bytes_ = bytes;
-  return success();
+  return error(Errc::corrupt, file_.path().string() + ", " + place + ": " + reason);
 }
 
 // Returns false when the file ends before.
 Result<bool> PackedTile::read_at(std::uint64_t offset, std::span<std::byte> buffer) const {
-  BOOST_OUTCOME_TRY(read, read_up_to(file_.get(), buffer, offset, path_));
+  BOOST_OUTCOME_TRY(read, file_.read_up_to(offset, buffer));
   return read == buffer.size();
 }
 
@@ -83,10 +73,10 @@ Status PackedTile::read_header(TileId tile) {
   std::string text;
   std::size_t end = std::string::npos;
   for (std::uint64_t wanted = 1 << 14; end == std::string::npos; wanted *= 4) {
-    text.resize(std::min(wanted, bytes_));
+    text.resize(std::min(wanted, file_.bytes()));
     BOOST_OUTCOME_TRY(whole, read_at(0, std::as_writable_bytes(std::span(text))));
     end = whole ? text.find(header_end) : std::string::npos;
-    if (end == std::string::npos && (!whole || text.size() == bytes_ || text.find('\0') != std::string::npos))
+    if (end == std::string::npos && (!whole || text.size() == file_.bytes() || text.find('\0') != std::string::npos))
       return corrupt("header", "is damaged, or not that of a tile file");
   }
   text.resize(end + header_end.size());
@@ -95,8 +85,8 @@ Status PackedTile::read_header(TileId tile) {
   if (header->tile != tile) return corrupt("header", "is that of tile " + std::to_string(header->tile.value));
   constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
   const auto corners = static_cast<std::uint64_t>(header->dimension + 1);
-  if (header->points > std::min(most, bytes_ / sizeof(Point)) ||
-      header->cells > std::min(most, bytes_ / sizeof(std::int32_t)) / corners)
+  if (header->points > std::min(most, file_.bytes() / sizeof(Point)) ||
+      header->cells > std::min(most, file_.bytes() / sizeof(std::int32_t)) / corners)
     return corrupt("header", "announces more points or cells than the file can hold");
   header_ = std::move(*header);
   data_begin_ = text.size();
@@ -115,10 +105,10 @@ Status PackedTile::read_tables() {
     Packed array{.info = infos[i], .bytes = header_.bytes_of(infos[i]), .sizes = {}};
     const auto damaged = [&] { return corrupt(place_of(array.info), "its table of blocks is damaged"); };
     const std::uint64_t blocks = block_count(array.bytes);
-    if (header_.offsets[i] > bytes_ - data_begin_) return damaged();
+    if (header_.offsets[i] > file_.bytes() - data_begin_) return damaged();
     std::uint64_t at = data_begin_ + header_.offsets[i];
     array.table = at;
-    if (table_bytes(blocks) > bytes_ - at) return damaged();
+    if (table_bytes(blocks) > file_.bytes() - at) return damaged();
     std::vector<std::uint64_t> table(3 + blocks);
     BOOST_OUTCOME_TRY(whole, read_at(at, std::as_writable_bytes(std::span(table))));
     if (!whole || table[0] != blocks || table[1] != block_bytes || table[2] != array.bytes % block_bytes)
@@ -130,7 +120,7 @@ Status PackedTile::read_tables() {
       const bool fits = array.info.packing == Packing::plain
                             ? array.sizes[b] == unpacked(array, b) + plain_extra_bytes
                             : array.sizes[b] <= compressBound(static_cast<uLong>(block_bytes));
-      if (!fits || array.sizes[b] > bytes_ - at) return damaged();
+      if (!fits || array.sizes[b] > file_.bytes() - at) return damaged();
       at += array.sizes[b];
     }
     array.end = at;
@@ -146,7 +136,8 @@ Status PackedTile::read_tables() {
   }
   std::string end(footer.size(), '\0');
   BOOST_OUTCOME_TRY(whole, read_at(at, std::as_writable_bytes(std::span(end))));
-  if (!whole || end != footer || at + footer.size() != bytes_) return corrupt("end", "is not where the arrays end");
+  if (!whole || end != footer || at + footer.size() != file_.bytes())
+    return corrupt("end", "is not where the arrays end");
   return success();
 }
 

@@ -3,14 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
+#include "src/result/store/data_file.h"
 #include "src/result/store/tile_layout.h"
 #include "src/result/store/vtk_xml.h"
 
@@ -28,8 +28,8 @@ class PackedTile {
     std::vector<std::uint64_t> sizes;  // of the blocks
   };
 
-  // Opens the file and reads header and tables. Error corrupt when no tile can have them.
-  static Result<PackedTile> open(const std::filesystem::path& path, TileId tile);
+  // Reads header and tables. Error corrupt when no tile can have them.
+  static Result<PackedTile> open(DataFile file, TileId tile);
 
   const TileHeader& header() const { return header_; }
   const std::vector<Packed>& arrays() const { return arrays_; }  // in the header's order
@@ -53,17 +53,14 @@ class PackedTile {
   Status read_raw(const Packed& array, std::uint64_t offset, std::span<std::byte> buffer) const;
 
  private:
-  explicit PackedTile(std::filesystem::path path) : path_(std::move(path)) {}
-  Status open();
+  explicit PackedTile(DataFile file) : file_(std::move(file)) {}
   Result<bool> read_at(std::uint64_t offset, std::span<std::byte> buffer) const;
   Status read_header(TileId tile);
   Status read_tables();
   const Packed& find(Section section, std::string_view name) const;
   Status read_blocks(const Packed& array, std::span<std::byte> values) const;
 
-  std::filesystem::path path_;
-  FileHandle file_;
-  std::uint64_t bytes_ = 0;
+  DataFile file_;
   TileHeader header_;
   std::uint64_t data_begin_ = 0;
   std::vector<Packed> arrays_;

@@ -31,7 +31,8 @@ BigVector<std::byte> as_in_file(std::span<const std::byte> values, std::size_t s
 
 Result<DirectWriter::Written> copy_points_with_columns(const TileCopy& copy, std::span<const ColumnValues> columns,
                                                        const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(old, PointsReader::open(copy.from, copy.tile));
+  BOOST_OUTCOME_TRY(from, DataFile::open(copy.from));
+  BOOST_OUTCOME_TRY(old, PointsReader::open(FileBytes(std::move(from)), copy.tile));
   PointsHead head = old.head();
   for (const ColumnValues& column : columns) {
     if (column.values.size() != (column.of_cells ? head.cells : head.own + head.foreign) * size_of(column.as.type))

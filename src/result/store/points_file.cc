@@ -28,19 +28,34 @@ BigVector<std::byte> points_file_bytes(const PointsTileView& tile) {
   return bytes;
 }
 
-Result<PointsHead> read_points_head(const fs::path& path, TileId tile) {
-  BOOST_OUTCOME_TRY(reader, PointsReader::open(path, tile));
+Result<PointsHead> read_points_head(DataFile file, TileId tile) {
+  BOOST_OUTCOME_TRY(reader, PointsReader::open(FileBytes(std::move(file)), tile));
   return reader.head();
 }
 
-Result<PointsTile> read_points_file(const fs::path& path, TileId tile, const PointsFields& fields) {
-  BOOST_OUTCOME_TRY(reader, PointsReader::open(path, tile));
+Result<PointsTile> read_points_file(DataFile file, TileId tile, const PointsFields& fields) {
+  BOOST_OUTCOME_TRY(reader, PointsReader::open(FileBytes(std::move(file)), tile));
   return reader.read(fields);
 }
 
-Result<std::vector<PointId>> read_own_point_ids(const fs::path& path, TileId tile) {
-  BOOST_OUTCOME_TRY(reader, PointsReader::open(path, tile));
+Result<std::vector<PointId>> read_own_point_ids(DataFile file, TileId tile) {
+  BOOST_OUTCOME_TRY(reader, PointsReader::open(FileBytes(std::move(file)), tile));
   return reader.read_ids(PointsColumn::Of::own);
+}
+
+Result<PointsHead> read_points_head(const fs::path& path, TileId tile) {
+  BOOST_OUTCOME_TRY(file, DataFile::open(path));
+  return read_points_head(std::move(file), tile);
+}
+
+Result<PointsTile> read_points_file(const fs::path& path, TileId tile, const PointsFields& fields) {
+  BOOST_OUTCOME_TRY(file, DataFile::open(path));
+  return read_points_file(std::move(file), tile, fields);
+}
+
+Result<std::vector<PointId>> read_own_point_ids(const fs::path& path, TileId tile) {
+  BOOST_OUTCOME_TRY(file, DataFile::open(path));
+  return read_own_point_ids(std::move(file), tile);
 }
 
 Result<PointsTile> parse_points_file(std::span<const std::byte> bytes, const fs::path& name, TileId tile) {

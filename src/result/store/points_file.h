@@ -9,6 +9,7 @@
 
 #include "src/base/big_vector.h"
 #include "src/base/result.h"
+#include "src/result/store/data_file.h"
 #include "src/result/store/points_head.h"
 #include "src/result/store/points_tile.h"
 
@@ -28,9 +29,13 @@ struct PointsFields {
 // tile, or when anything that was read is impossible. The memory needed is proportional to the numbers of points and
 // cells, for which the file has blocks. But a block may be small. So a caller that does not trust the file, and knows
 // the right numbers, reads the head first.
+Result<store::PointsHead> read_points_head(DataFile file, TileId tile);
+Result<PointsTile> read_points_file(DataFile file, TileId tile, const PointsFields& fields);
+// Reads the source indices of the own points, in the file's order.
+Result<std::vector<PointId>> read_own_point_ids(DataFile file, TileId tile);
+// The same for files on a disk.
 Result<store::PointsHead> read_points_head(const std::filesystem::path& path, TileId tile);
 Result<PointsTile> read_points_file(const std::filesystem::path& path, TileId tile, const PointsFields& fields);
-// Reads the source indices of the own points, in the file's order.
 Result<std::vector<PointId>> read_own_point_ids(const std::filesystem::path& path, TileId tile);
 
 // Reads a file that is in memory; `name` is for errors.

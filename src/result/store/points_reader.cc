@@ -1,7 +1,5 @@
 #include "src/result/store/points_reader.h"
 
-#include <fcntl.h>
-
 #include <algorithm>
 #include <cmath>
 #include <variant>
@@ -24,22 +22,13 @@ std::uint64_t end_of(std::uint64_t block, std::uint64_t rows) {
 
 }  // namespace
 
-Result<FileBytes> FileBytes::open(const std::filesystem::path& path) {
-  FileBytes opened(path);
-  BOOST_OUTCOME_TRY(file, open_handle(path, O_RDONLY));
-  BOOST_OUTCOME_TRY(bytes, size_of(file, path));
-  opened.file_ = std::move(file);
-  opened.bytes_ = bytes;
-  return opened;
-}
-
 Result<std::span<const std::byte>> FileBytes::at(std::uint64_t offset, std::uint64_t bytes) {
-  if (file_.get() < 0) {
+  if (!file_) {
     const auto rest = memory_.subspan(std::min<std::uint64_t>(offset, memory_.size()));
     return rest.first(std::min<std::uint64_t>(bytes, rest.size()));
   }
   buffer_.resize(bytes);
-  BOOST_OUTCOME_TRY(read, read_up_to(file_.get(), buffer_, offset, path_));
+  BOOST_OUTCOME_TRY(read, file_->read_up_to(offset, buffer_));
   return std::span<const std::byte>(buffer_).first(read);
 }
 
@@ -47,11 +36,6 @@ Result<PointsReader> PointsReader::open(FileBytes file, TileId tile) {
   PointsReader reader(std::move(file));
   BOOST_OUTCOME_TRYV(reader.read_head(tile));
   return reader;
-}
-
-Result<PointsReader> PointsReader::open(const std::filesystem::path& path, TileId tile) {
-  BOOST_OUTCOME_TRY(file, FileBytes::open(path));
-  return open(std::move(file), tile);
 }
 
 Result<PointsTile> PointsReader::read(const PointsFields& fields) {

@@ -6,15 +6,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "src/base/big_vector.h"
-#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
 #include "src/result/store/column_block.h"
+#include "src/result/store/data_file.h"
 #include "src/result/store/points_file.h"
 #include "src/result/store/points_head.h"
 #include "src/result/store/points_tile.h"
@@ -24,7 +25,7 @@ namespace tessera::store {
 // The bytes of a file, on disk or in memory.
 class FileBytes {
  public:
-  static Result<FileBytes> open(const std::filesystem::path& path);
+  explicit FileBytes(DataFile file) : path_(file.path()), bytes_(file.bytes()), file_(std::move(file)) {}
   FileBytes(std::span<const std::byte> bytes, std::filesystem::path name)
       : path_(std::move(name)), memory_(bytes), bytes_(bytes.size()) {}
 
@@ -34,20 +35,17 @@ class FileBytes {
   Result<std::span<const std::byte>> at(std::uint64_t offset, std::uint64_t bytes);
 
  private:
-  explicit FileBytes(std::filesystem::path path) : path_(std::move(path)) {}
-
   std::filesystem::path path_;
-  FileHandle file_;
   std::span<const std::byte> memory_;
   std::uint64_t bytes_ = 0;
+  std::optional<DataFile> file_;  // else in memory
   BigVector<std::byte> buffer_;
 };
 
 class PointsReader {
  public:
-  // Opens a file and reads its head.
+  // Reads the head.
   static Result<PointsReader> open(FileBytes file, TileId tile);
-  static Result<PointsReader> open(const std::filesystem::path& path, TileId tile);
 
   const PointsHead& head() const { return head_; }
   Result<PointsTile> read(const PointsFields& fields);

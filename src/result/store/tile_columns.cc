@@ -95,7 +95,8 @@ Status copy_raw(const PackedTile& old, const PackedTile::Packed& array, std::vec
 
 Result<DirectWriter::Written> copy_with_columns(const TileCopy& copy, std::span<const ColumnValues> columns,
                                                 const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(old, PackedTile::open(copy.from, copy.tile));
+  BOOST_OUTCOME_TRY(from, DataFile::open(copy.from));
+  BOOST_OUTCOME_TRY(old, PackedTile::open(std::move(from), copy.tile));
   std::vector<ColumnValues> placed(columns.begin(), columns.end());
   for (const auto& column : placed)
     if (column.values.size() != (column.of_cells ? old.header().cells : old.header().points) * size_of(column.as.type))

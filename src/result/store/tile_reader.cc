@@ -126,14 +126,19 @@ class TileReader {
 
 namespace store {
 
-Result<StoredTile> read_tile(const fs::path& file, TileId tile, const TileFields& fields) {
-  BOOST_OUTCOME_TRY(opened, PackedTile::open(file, tile));
+Result<StoredTile> read_tile(DataFile file, TileId tile, const TileFields& fields) {
+  BOOST_OUTCOME_TRY(opened, PackedTile::open(std::move(file), tile));
   return TileReader(std::move(opened), tile).read(fields);
 }
 
-Result<std::vector<PointId>> read_own_ids(const fs::path& file, TileId tile) {
-  BOOST_OUTCOME_TRY(opened, PackedTile::open(file, tile));
+Result<std::vector<PointId>> read_own_ids(DataFile file, TileId tile) {
+  BOOST_OUTCOME_TRY(opened, PackedTile::open(std::move(file), tile));
   return TileReader(std::move(opened), tile).read_own_ids();
+}
+
+Result<StoredTile> read_tile(const fs::path& path, TileId tile, const TileFields& fields) {
+  BOOST_OUTCOME_TRY(file, DataFile::open(path));
+  return read_tile(std::move(file), tile, fields);
 }
 
 }  // namespace store

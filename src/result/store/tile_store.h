@@ -199,6 +199,9 @@ std::filesystem::path duplicate_rows_of(const std::filesystem::path& out, const 
 // Reads the duplicates of the version of a result that the manifest describes. Error corrupt when the policy in the
 // manifest cannot give such pairs.
 Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, const Manifest& manifest);
+// The same of the bytes of the file; `path` is for errors.
+Result<std::vector<DuplicatePair>> parse_duplicates(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                                                    DuplicatePolicy keep);
 // The sum of the digests of the tiles; nothing when a tile has none.
 std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles);
 // The columns of the cells, in the order in which tile files have them.

@@ -16,6 +16,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/result/check_sum.h"
+#include "src/result/far_copy.h"
 #include "src/result/old_versions.h"
 #include "src/result/store/duplicate_rows.h"
 #include "src/result/store/manifest.h"
@@ -107,9 +108,22 @@ Status check_duplicate_rows(const fs::path& out, const Manifest& manifest) {
                            std::to_string(manifest.duplicates) + " duplicates take " + std::to_string(expected));
 }
 
+// Of a far result only what the manifest names is looked at: what else a store has there is not listed.
+Status check_far_files(const TileSource& source) {
+  const fs::path& out = source.folder();
+  const Manifest& manifest = source.manifest();
+  if (sum_of_text(store::master_text(manifest)) != manifest.master_xxh3)
+    return corrupt(master_file(out), "is not the master file of the tiles in the manifest");
+  for (const auto& [name, told] : result::files_beside_tiles(manifest)) {
+    BOOST_OUTCOME_TRYV(source.check(out / name, told));
+  }
+  return success();
+}
+
 }  // namespace
 
 Status check_files(const TileSource& source) {
+  if (source.is_far()) return check_far_files(source);
   const fs::path& out = source.folder();
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRY(current, read_manifest(out));

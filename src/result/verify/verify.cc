@@ -125,7 +125,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
     report.cells += entry.main_cells;
     report.vertices += entry.own_points;
   }
-  BOOST_OUTCOME_TRY(duplicates, read_duplicates(source.folder(), manifest));
+  BOOST_OUTCOME_TRY(duplicates, source.read_duplicates());
   BOOST_OUTCOME_TRYV(check_vertex_ids(own, manifest, std::move(duplicates), source));
   BOOST_OUTCOME_TRYV(check_cell_copies(copies, manifest.dimension, source));
   BOOST_OUTCOME_TRYV(check_claims(claims, source));
