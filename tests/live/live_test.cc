@@ -37,7 +37,7 @@ class Live : public ::testing::TestWithParam<LiveCase> {
  protected:
   void open(unsigned threads = 1) {
     live_.reset();
-    auto opened = LiveResult::open(folder_, {.threads = threads});
+    auto opened = LiveResult::open(folder_, {.threads = threads, .tile_points = tile_points_});
     ASSERT_TRUE(opened) << opened.error().where;
     live_ = std::move(opened).value();
   }
@@ -62,6 +62,7 @@ class Live : public ::testing::TestWithParam<LiveCase> {
   test::TemporaryFolder scratch_;
   fs::path folder_ = scratch_.path() / "out";
   std::unique_ptr<LiveResult> live_;
+  std::uint64_t tile_points_ = 0;  // LiveOptions
 };
 
 // Attributes of all vertices and duplicates that are stored, compared with what their points were added with.
@@ -347,8 +348,12 @@ void check_areas(const fs::path& folder) {
   for (const auto& [of, sum] : stored_sums) EXPECT_EQ(sum, sums[of.first]) << "of point " << to_string(of.first);
 }
 
-TEST_F(LiveOne, MakesColumnsAgainWhereTilesHaveChanged) {
-  LiveModel model({"lattice", 2, 9}, 120, 3);
+class LiveColumns : public Live {};
+
+TEST_P(LiveColumns, AreMadeAgainWhereTilesHaveChanged) {
+  LiveModel model(GetParam(), 120, 3);
+  if (GetParam().grows) tile_points_ = 12;  // tiles are split
+  const std::size_t tiles = GetParam().tiles;
   model.store(folder_);
   const auto measured = measure(folder_, {.volume = true}, {});
   ASSERT_TRUE(measured) << measured.error().where;
@@ -374,7 +379,13 @@ TEST_F(LiveOne, MakesColumnsAgainWhereTilesHaveChanged) {
   open();
   ASSERT_NE(live_, nullptr);
   EXPECT_EQ(model.compare(*live_->current()), "");
+  EXPECT_EQ(live_->current()->tiles().size() > tiles, GetParam().grows);
 }
+
+INSTANTIATE_TEST_SUITE_P(Tiles, LiveColumns,
+                         ::testing::Values(LiveCase{"lattice", 2, 9},
+                                           LiveCase{.kind = "lattice", .dimension = 2, .tiles = 9, .grows = true}),
+                         [](const auto& info) { return info.param.grows ? "Split" : "Same"; });
 
 // A tile sees only a part of the hull. It must not wake those whose points it takes for neighbours of a far point.
 TEST_F(LiveOne, WakesFewTilesWhenAVertexOfTheHullGoes) {
