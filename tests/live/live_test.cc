@@ -246,6 +246,15 @@ TEST_F(LiveOne, RefusesWhatItCouldNotKeepRight) {
   const auto last = LiveResult::open(folder_, {});
   ASSERT_FALSE(last);
   EXPECT_NE(last.error().where.find("keeps the last of equal points"), std::string::npos) << last.error().where;
+
+  fs::remove_all(folder_);
+  cloud.keep = DuplicatePolicy::first;
+  cloud.schema = some_schema();
+  cloud.store(folder_);
+  ASSERT_TRUE(measure(folder_, {.density = true, .mass = "some"}, {}));
+  const auto of_masses = LiveResult::open(folder_, {});
+  ASSERT_FALSE(of_masses);
+  EXPECT_NE(of_masses.error().where.find("computed column 'density_some'"), std::string::npos);
 }
 
 // The neighbours across all facets of all cells are the cells that share these facets.
@@ -298,6 +307,7 @@ void check_areas(const fs::path& folder) {
   };
   std::map<PointId, double> sums;
   std::map<std::pair<PointId, TileId>, double> stored_sums;
+  double whole = 0;
   for (std::size_t i = 0; i < source.tiles(); ++i) {
     const auto tile = source.read(i, {.cells = true, .rows = true, .cell_columns = true});
     ASSERT_TRUE(tile) << tile.error().where;
@@ -310,9 +320,11 @@ void check_areas(const fs::path& folder) {
       const Point p = mesh.points[corner(0)], q = mesh.points[corner(1)], r = mesh.points[corner(2)];
       const double area = std::abs((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)) / 2;
       EXPECT_EQ(at(tile.value().cell_columns[0], c * sizeof(double)), area);
+      if (mesh.cell_ghost[c] == 0) whole += area;
       for (std::size_t k = 0; k < 3 && mesh.cell_ghost[c] == 0; ++k) sums[mesh.ids[corner(k)]] += area;
     }
   }
+  EXPECT_EQ(source.manifest().columns[0].total, whole);
   for (const auto& [of, sum] : stored_sums) EXPECT_EQ(sum, sums[of.first]) << "of point " << to_string(of.first);
 }
 

@@ -45,6 +45,10 @@ Status check_kept(const fs::path& out, const Manifest& manifest) {
   if (manifest.keep != DuplicatePolicy::first)
     return error(Errc::usage, out.string() + ": keeps the " + std::string(name_of(manifest.keep)) +
                                   " of equal points, and a result that is kept in memory keeps the first");
+  const auto of_masses = std::ranges::find_if(manifest.columns, depends_on_masses);
+  if (of_masses != manifest.columns.end())
+    return error(Errc::usage, out.string() + ": has the computed column '" + of_masses->name +
+                                  "', which could not be computed again for new points whose mass is not finite");
   return success();
 }
 

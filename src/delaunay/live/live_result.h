@@ -117,9 +117,8 @@ class LiveResult {
                                           std::set<TileId>& changed) const;
   void note(const Planned& planned, const ResultChange& change, const LiveApplied& applied);
   void describe(Manifest& manifest, const LiveVersion& version) const;
-  Result<std::vector<FinishedTile>> finish_tiles(const std::filesystem::path& folder,
-                                                 const std::vector<TileEntry>& written,
-                                                 const std::filesystem::path& columns) const;
+  Result<FinishedTiles> finish_tiles(const std::filesystem::path& folder, const std::vector<TileEntry>& written,
+                                     const std::filesystem::path& columns) const;
   std::optional<Digest> digest_with(const std::vector<TileEntry>& written) const;
   Status begin_again();
   Result<std::optional<DuplicateRowSort>> rows_of_duplicates(const std::filesystem::path& scratch) const;
