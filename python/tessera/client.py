@@ -96,12 +96,13 @@ class Client:
             warnings.warn(found["note"], stacklevel=2)
 
     def measure(self, name: str, volume: bool = False, quality: bool = False, voronoi: bool = False,
-                memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None) -> Measures:
+                memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None, *,
+                density: bool = False, mass: str | None = None) -> Measures:
         """Lets the daemon compute columns of a result, as Triangulation.measure() does here.
 
         They become a new version of the result. Only the owner of the result or an admin may do this.
         """
-        options = {"volume": volume, "quality": quality, "voronoi": voronoi, "memory": memory}
+        options = {"volume": volume, "quality": quality, "voronoi": voronoi, "density": density, "mass": mass, "memory": memory}
         job = self._execute("measure", {"triangulation": name, **_fields(options)})
         job.wait(progress)
         found = job.outcome()

@@ -90,11 +90,34 @@ Status check_nothing_unstored(const fs::path& out, std::uint32_t version) {
                                 "the changes are not wanted");
 }
 
+// Whether the master file is that of the version before.
+Result<bool> has_old_master(const fs::path& out, const Manifest& manifest) {
+  if (!manifest.previous_master_xxh3) return false;
+  BOOST_OUTCOME_TRY(sum, checksum_file(master_file(out)));
+  return sum == *manifest.previous_master_xxh3 && sum != manifest.master_xxh3;
+}
+
+Status mend_master_of(const fs::path& out, const Manifest& manifest, const FolderLock& lock) {
+  BOOST_OUTCOME_TRY(old, has_old_master(out, manifest));
+  if (!old) return success();
+  BOOST_OUTCOME_TRYV(lock.check());
+  return write_whole(master_file(out), store::master_text(manifest));
+}
+
 std::int64_t now_in_seconds() {
   return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
+
+Status mend_master(const fs::path& out, const LockOptions& lock) {
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(old, has_old_master(out, manifest));
+  if (!old) return success();
+  BOOST_OUTCOME_TRY(locked, FolderLock::take(out, lock));
+  BOOST_OUTCOME_TRY(current, read_manifest(out));  // another writer may have come in between
+  return mend_master_of(out, current, locked);
+}
 
 Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const VersionOptions& options) {
   if (named_version(out))
@@ -113,7 +136,8 @@ Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const
   }
   std::unique_ptr<NewVersion> made(new NewVersion(std::move(lock), std::move(source)));
   BOOST_OUTCOME_TRYV(made->read_log(options.keep));
-  BOOST_OUTCOME_TRYV(made->mend_master());
+  // Before anything is removed that an old master file refers to.
+  BOOST_OUTCOME_TRYV(mend_master_of(out, made->source_.manifest(), made->lock_));
   BOOST_OUTCOME_TRYV(made->remove_unneeded());
   BOOST_OUTCOME_TRYV(make_directories(versions_folder(out)));
   BOOST_OUTCOME_TRYV(remove_whole(pass_folder(out)));
@@ -125,17 +149,6 @@ Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const
 NewVersion::~NewVersion() {
   scratch_.reset();
   ::rmdir(versions_folder(source_.folder()).c_str());  // fails, as it should, while older versions are in it
-}
-
-// Called before anything is removed that the old master file refers to.
-Status NewVersion::mend_master() const {
-  const Manifest& manifest = source_.manifest();
-  const auto path = master_file(source_.folder());
-  if (!manifest.previous_master_xxh3) return success();
-  BOOST_OUTCOME_TRY(sum, checksum_file(path));
-  if (sum != *manifest.previous_master_xxh3 || sum == manifest.master_xxh3) return success();
-  BOOST_OUTCOME_TRYV(lock_.check());
-  return write_whole(path, store::master_text(manifest));
 }
 
 // The first change of a result makes an entry of the version before, too.
@@ -341,19 +354,31 @@ Status NewVersion::keep_old_manifest() const {
   return sync_folder(out);
 }
 
-// Sets what follows from tiles and columns.
-void NewVersion::describe(std::vector<ResultColumn> columns) {
+// Those that stay, and those that were written.
+std::vector<TileEntry> NewVersion::tiles() const {
   std::map<TileId, TileEntry> tiles;
-  for (TileEntry& entry : next_.tiles) {
-    if (!removed_.contains(entry.tile)) tiles[entry.tile] = std::move(entry);
+  for (const TileEntry& entry : next_.tiles) {
+    if (!removed_.contains(entry.tile)) tiles[entry.tile] = entry;
   }
   for (const TileEntry& entry : written_) tiles[entry.tile] = entry;
-  next_.tiles.clear();
+  std::vector<TileEntry> all;
+  for (auto& [tile, entry] : tiles) all.push_back(std::move(entry));
+  return all;
+}
+
+TileSource NewVersion::draft() const {
+  Manifest manifest = next_;
+  manifest.tiles = tiles();
+  return TileSource::draft(source_.folder(), std::move(manifest));
+}
+
+// Sets what follows from tiles and columns.
+void NewVersion::describe(std::vector<ResultColumn> columns) {
+  next_.tiles = tiles();
   next_.vertices = next_.cells = 0;
-  for (auto& [tile, entry] : tiles) {
+  for (const TileEntry& entry : next_.tiles) {
     next_.vertices += entry.own_points;
     next_.cells += entry.main_cells;
-    next_.tiles.push_back(std::move(entry));
   }
   next_.digest = sum_of_digests(next_.tiles);
   next_.format_version = std::max(next_.format_version, changed_format);

@@ -56,6 +56,11 @@ struct VersionNote {
   std::string software_version = {};
 };
 
+// Replaces the master file of the result if it is that of the version before, because the last writer was ended before
+// it did. Takes the folder's lock only for that. Errors: those of read_manifest(); usage when another process works in
+// the folder; io.
+Status mend_master(const std::filesystem::path& out, const LockOptions& lock = {});
+
 class NewVersion {
  public:
   // Begins a change, and takes the folder's lock. Errors: those of TileSource::open(); usage when another process works
@@ -96,6 +101,8 @@ class NewVersion {
   // The manifest of the new version. Callers that change points set its bounds, inputs and numbers of points; they may
   // change the entries of tiles that stay. commit() sets all that follows from tiles, columns and duplicates.
   Manifest& manifest() { return next_; }
+  // The tiles of the new version as they are so far, to be read before the new version is made.
+  TileSource draft() const;
   // Makes the new version the current one. `columns` describes the columns that add_columns() has added. Tiles that
   // were neither extended nor replaced stay as they are. REQUIRES: if there are columns, add_columns() was called for
   // every tile. `before` gets the text of the new manifest when all other files have their places, and its error is
@@ -106,7 +113,6 @@ class NewVersion {
  private:
   NewVersion(FolderLock lock, TileSource source)
       : lock_(std::move(lock)), source_(std::move(source)), next_(source_.manifest()) {}
-  Status mend_master() const;
   Status remove_unneeded() const;
   Status remove_unless(const std::set<std::filesystem::path>& needed) const;
   Status read_log(std::optional<std::uint32_t> keep);
@@ -114,6 +120,7 @@ class NewVersion {
   Status publish_file(TemporaryFile& temporary, const std::filesystem::path& final_name);
   Status bring_duplicates();
   Status bring(const std::filesystem::path& from, const std::filesystem::path& to);
+  std::vector<TileEntry> tiles() const;
   void describe(std::vector<ResultColumn> columns);
   VersionEntry log_entry(const VersionNote& note) const;
   Status sync() const;

@@ -168,7 +168,7 @@ class UpdateSteps(CliTest):
         old, new = self.manifest("base")["digest2"], self.manifest()["digest2"]
         expected = self.contents()
         tiles = len(self.manifest()["tiles"])
-        seen, step = set(), 1 - every
+        seen, step, old_masters = set(), 1 - every, 0
         while True:
             step += every
             begin()
@@ -183,6 +183,8 @@ class UpdateSteps(CliTest):
                 self.assertEqual(manifest["digest2"], {1: old, 2: new}[version])
                 self.assertEqual([v["version"] for v in json.loads(self.ok("log", "out", "--json"))["versions"]], list(range(1, version + 1)))
                 seen.add(version)
+                master = self.contents().get("triangulation.pvtu")
+                old_masters += version == 2 and master != expected["triangulation.pvtu"]
                 run = self.folder / "out.update"
                 kept = self.folder / "kept"
                 shutil.rmtree(kept, ignore_errors=True)
@@ -194,10 +196,12 @@ class UpdateSteps(CliTest):
                     self.assertEqual((told["version"], told["digest"], told.get("made_earlier", False)), (2, new, version == 2))
                     self.assertEqual(self.manifest()["version"], 2)
                     self.ok("verify", "out", "--quiet")
+                    self.assertEqual(self.contents()["triangulation.pvtu"], expected["triangulation.pvtu"])
                     if version == 1:  # the manifest has the command
                         self.assertEqual(self.contents() | {"manifest.json": ""}, expected | {"manifest.json": ""})
                     self.assertFalse(run.exists())
                 else:  # there is nothing left but perhaps the lock
+                    self.assertEqual(master, expected["triangulation.pvtu"])
                     self.assertLessEqual({p.relative_to(run).parts[0] for p in run.rglob("*")}, {".lock"})
                 for folder in (self.out, run):
                     shutil.rmtree(folder, ignore_errors=True)
@@ -212,6 +216,8 @@ class UpdateSteps(CliTest):
                     self.ok("verify", "out", "--quiet")
         self.assertEqual(seen, {1, 2})
         self.assertGreater(step, 40)
+        if every == 1:
+            self.assertGreater(old_masters, 0, "it was never killed between the manifest and the master file")
         return tiles
 
     def test_of_each_step_of_a_change_into_a_new_folder(self):

@@ -217,7 +217,7 @@ class Versions(CliTest):
         return values
 
     def test_columns_are_what_measuring_from_scratch_gives(self):
-        measures = ("--volume", "--quality", "--voronoi", "--quiet", "--threads", "2")
+        measures = ("--volume", "--quality", "--voronoi", "--density", "--quiet", "--threads", "2")
         for dim, tiles in (("2", "1"), ("2", "12"), ("3", "7")):
             with self.subTest(dim=dim, tiles=tiles):
                 shutil.rmtree(self.out, ignore_errors=True)
@@ -235,6 +235,7 @@ class Versions(CliTest):
                 self.ok("measure", "scratch", *measures)
                 self.assertEqual(self.manifest()["digest2"], self.manifest("scratch")["digest2"])
                 self.assertEqual(self.columns_of("out"), self.columns_of("scratch"))
+                self.assertEqual(*(self.manifest(each)["columns"][0]["total"] for each in ("out", "scratch")))
 
     def test_columns_of_tiles_kept_as_points_are_made_again(self):
         points = np.column_stack([self.random.random((2000, 2)), self.random.random(2000)])
@@ -256,8 +257,25 @@ class Versions(CliTest):
         self.assertEqual(self.columns_of("next"), self.columns_of("out"))
         self.ok("update", "next", "--add", one, "--quiet")
         self.ok("verify", "next", "--quiet")
-        self.ok("measure", "out", "--density", "--quiet")
-        self.refused(USAGE, "update", "out", *self.remove(5), says="computed column 'density'")
+        # Densities, of points and of an attribute, where only duplicates come and go, too.
+        for mass in ((), ("--mass", "z")):
+            self.ok("measure", "next", "--density", *mass, "--quiet")
+        again = self.save("again.npy", points[[700, 701, 702]])
+        told = json.loads(self.ok("update", "next", "--add", again, "--json").splitlines()[-1])
+        self.assertEqual((told["tiles_changed"], told["duplicates"]), (0, 3))
+        self.assertGreater(self.log("next")["versions"][-1]["tiles_written"], 0)
+        self.ok("update", "next", *self.remove(702), "--quiet")
+        left = np.concatenate([points, np.load(self.folder / one), np.load(self.folder / one), np.load(self.folder / again)])
+        left[[5, 702]] = np.nan
+        self.triangulate(left, "scratch", "--dim", "2", "--tiles", "9", "--attributes", "z", "--skip-invalid", "--overwrite")
+        for measure in (("--volume", "--voronoi"), ("--density",), ("--density", "--mass", "z")):
+            self.ok("measure", "scratch", *measure, "--quiet")
+        self.assertEqual(self.columns_of("next"), self.columns_of("scratch"))
+        self.assertEqual(*(self.manifest(each)["columns"][0]["total"] for each in ("next", "scratch")))
+        # A column that nothing makes.
+        manifest = (self.folder / "next/manifest.json").read_text()
+        (self.folder / "next/manifest.json").write_text(manifest.replace('"density_z"', '"density_q"'))
+        self.refused(USAGE, "update", "next", *self.remove(6), says="no attribute 'q'")
 
     def test_tiles_that_grow_too_large_are_split_and_every_command_reads_them(self):
         grow = self.random.random((300, 3)) * (4, 4, 1) + (1, 1, 0)

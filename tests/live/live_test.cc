@@ -280,6 +280,26 @@ TEST_F(LiveOne, GivesNoNumberOfAVersionTwice) {
   EXPECT_EQ(live_->current()->number(), last + 1);
 }
 
+TEST_F(LiveOne, RefusesDensitiesOfMasses) {
+  StoredCloud cloud;
+  cloud.dimension = 2;
+  Bounds bounds;
+  std::vector<Point> places;
+  for (const LocalPoint& p : make_cloud("uniform", 2, 30, 1)) {
+    cloud.points.push_back(p);
+    places.push_back(p.at);
+    bounds.add(p.at);
+  }
+  cloud.points_read = cloud.points.size();
+  cloud.partition = Partition::build_tiles(PartitionKind::kdtree, 2, places, bounds, 3);
+  cloud.schema = some_schema();
+  cloud.store(folder_);
+  ASSERT_TRUE(measure(folder_, {.density = true, .mass = "some"}, {}));
+  const auto of_masses = LiveResult::open(folder_, {});
+  ASSERT_FALSE(of_masses);
+  EXPECT_NE(of_masses.error().where.find("computed column 'density_some'"), std::string::npos);
+}
+
 // The neighbours across all facets of all cells are the cells that share these facets.
 TEST_F(LiveOne, StepsFromCellToCell) {
   for (const int dimension : {2, 3}) {
@@ -330,6 +350,7 @@ void check_areas(const fs::path& folder) {
   };
   std::map<PointId, double> sums;
   std::map<std::pair<PointId, TileId>, double> stored_sums;
+  double whole = 0;
   for (std::size_t i = 0; i < source.tiles(); ++i) {
     const auto tile = source.read(i, {.cells = true, .rows = true, .cell_columns = true});
     ASSERT_TRUE(tile) << tile.error().where;
@@ -342,9 +363,11 @@ void check_areas(const fs::path& folder) {
       const Point p = mesh.points[corner(0)], q = mesh.points[corner(1)], r = mesh.points[corner(2)];
       const double area = std::abs((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)) / 2;
       EXPECT_EQ(at(tile.value().cell_columns[0], c * sizeof(double)), area);
+      if (mesh.cell_ghost[c] == 0) whole += area;
       for (std::size_t k = 0; k < 3 && mesh.cell_ghost[c] == 0; ++k) sums[mesh.ids[corner(k)]] += area;
     }
   }
+  EXPECT_EQ(source.manifest().columns[0].total, whole);
   for (const auto& [of, sum] : stored_sums) EXPECT_EQ(sum, sums[of.first]) << "of point " << to_string(of.first);
 }
 

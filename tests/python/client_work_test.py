@@ -72,10 +72,14 @@ class Work(ClientTest):
             measures = self.client.measure("block", volume=True, memory="2G")
         self.assertEqual(measures, tessera.Measures(2.5, "metre^3", True))
         self.assertEqual(self.server.jobs["j1"].inputs,
-                         {"triangulation": "block", "volume": True, "quality": False, "voronoi": False, "memory": "2G"})
+                         {"triangulation": "block", "volume": True, "quality": False, "voronoi": False, "density": False, "memory": "2G"})
         self.end({"event": "measured"})
         with self.assertRaises(tessera.Error):
             self.client.measure("block", quality=True)
+        self.end({"event": "measured", "total": None, "unit": "", "made": True})
+        self.client.measure("block", density=True, mass="weight")
+        sent = self.server.jobs["j3"].inputs
+        self.assertEqual((sent["density"], sent["mass"]), (True, "weight"))
 
     def test_changes_send_what_is_given_and_tell_what_has_changed(self):
         told = {"event": "updated", "output": "block", "version": 2, "removed": 3}

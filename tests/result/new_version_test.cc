@@ -264,6 +264,16 @@ TEST_F(Versions, TheMasterOfTheVersionBeforeIsAcceptedAndMended) {
   ASSERT_TRUE(write_whole(master_file(out_), old_master));
   EXPECT_EQ(verified(), "");
   {
+    const auto other = NewVersion::begin(out_);  // which has mended it
+    ASSERT_TRUE(other) << other.error().where;
+    EXPECT_TRUE(mend_master(out_)) << "needs no lock";
+    ASSERT_TRUE(write_whole(master_file(out_), old_master));
+    EXPECT_EQ(mend_master(out_).error().code, Errc::usage);
+  }
+  ASSERT_TRUE(mend_master(out_));
+  EXPECT_EQ(read_whole(master_file(out_)).value(), new_master);
+  ASSERT_TRUE(write_whole(master_file(out_), old_master));
+  {
     const auto next = NewVersion::begin(out_);
     ASSERT_TRUE(next) << next.error().where;
   }

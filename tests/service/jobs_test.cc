@@ -130,8 +130,19 @@ TEST_F(Jobs, MeasuresAreANewVersionOfTheResult) {
   EXPECT_EQ(ended(submit(verify("block"))).status(), "successful");
   const auto again = ended(submit(measured));
   EXPECT_NE(service->jobs().outcome(again.job_id()).value().find(R"("made":false)"), std::string::npos);
+  measured.mutable_measure()->set_mass("intensity");
+  EXPECT_EQ(refused(measured).detail(), "mass: has no effect without density: true");
+  measured.mutable_measure()->clear_mass();
+  measured.mutable_measure()->set_density(true);
+  const auto densities = ended(submit(measured));
+  ASSERT_EQ(densities.status(), "successful") << densities.message();
+  EXPECT_NE(service->jobs().outcome(densities.job_id()).value().find(R"(["volume","star_volume","density"])"),
+            std::string::npos);
+  measured.mutable_measure()->set_mass("weight");
+  EXPECT_NE(ended(submit(measured)).message().find("no attribute 'weight'"), std::string::npos);
   restart();
   EXPECT_TRUE(service->results().info("block"));
+  measured.mutable_measure()->clear_mass();
   measured.mutable_measure()->set_triangulation("missing");
   EXPECT_EQ(refused(measured).status(), 422);
 }

@@ -1,5 +1,9 @@
 // Changes of results as jobs: who may make them, what they wait for, and that an end of the service changes nothing.
+#include <algorithm>
+
 #include "src/base/files/names.h"
+#include "src/base/ledger.h"
+#include "src/service/processes/disk_watch.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::service::testing {
@@ -85,6 +89,109 @@ TEST_F(UpdateJobs, GoOnAfterARestart) {
     const std::string name = entry.path().filename().string();
     EXPECT_TRUE(name.front() != '.' || name.starts_with(".desk-")) << entry.path();  // the desk is the service's own
   }
+}
+
+TEST_F(UpdateJobs, AreEstimatedBeforeTheyRun) {
+  const auto estimated = [&](const proto::Inputs& inputs) {
+    const auto told = service->processes().estimate(inputs, alice);
+    EXPECT_TRUE(told) << (told ? "" : told.error().detail());
+    return told ? told.value() : proto::Estimate();
+  };
+  const auto inner = estimated(change("hers", 1));
+  EXPECT_TRUE(inner.accepted());
+  EXPECT_EQ(inner.reason(), "");
+  EXPECT_GE(inner.tiles(), 1U);
+  EXPECT_LE(inner.tiles(), 6U);
+  EXPECT_GT(inner.points(), 0U);
+  EXPECT_LE(inner.points(), 4'000U);
+  EXPECT_GT(inner.result_bytes(), 0U);
+  EXPECT_GT(inner.seconds(), 0.0);
+  EXPECT_GT(inner.memory_bytes(), 0U);
+  auto dry = change("hers", 1);
+  dry.mutable_update()->set_dry_run(true);
+  EXPECT_EQ(estimated(dry).result_bytes(), 0U);
+
+  proto::Inputs adding;
+  adding.mutable_update()->set_triangulation("hers");
+  adding.mutable_update()->add_inputs("more.ply");
+  const auto everywhere = estimated(adding);  // the new points fill the same cube, so all tiles get some
+  EXPECT_EQ(everywhere.points(), 4'500U);
+  EXPECT_EQ(everywhere.tiles(), 6U);
+  EXPECT_GT(everywhere.result_bytes(), inner.result_bytes());
+  EXPECT_EQ(service->processes().estimate(adding, {"eve", Role::read}).error().status(), 403);  // it reads inputs
+
+  auto corner = adding;
+  corner.mutable_update()->clear_inputs();
+  for (const double number : {0.0, 0.0, 0.0, 0.01, 0.01, 0.01}) corner.mutable_update()->add_remove_box(number);
+  EXPECT_LE(estimated(corner).points(), 4'000U);
+  auto of_input = adding;
+  of_input.mutable_update()->clear_inputs();
+  of_input.mutable_update()->add_remove_input("cloud.ply");
+  const auto all = estimated(of_input);
+  EXPECT_EQ(all.tiles(), 6U);
+  EXPECT_NE(all.reason().find("the tiles are at most so many"), std::string::npos) << all.reason();
+  EXPECT_TRUE(all.accepted());
+
+  // What the job will tell, too.
+  std::ofstream(inputs() / "bad.xyz") << "1 2 3\n4 5 6\n7 8 9\n1 2 nan\n";
+  auto bad = adding;
+  bad.mutable_update()->set_inputs(0, "bad.xyz");
+  const auto unknown = estimated(bad);
+  EXPECT_TRUE(unknown.accepted());
+  EXPECT_NE(unknown.reason().find("bad.xyz"), std::string::npos) << unknown.reason();
+  EXPECT_EQ(ended(submit(bad)).status(), "failed");
+}
+
+TEST_F(UpdateJobs, CountWhatTheyWrite) {
+  std::uint64_t of_result = 0, of_tile = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(tiles_folder(data() / "results" / "hers"))) {
+    of_result += entry.file_size();
+    of_tile = std::max<std::uint64_t>(of_tile, entry.file_size());
+  }
+  options.limits.disk_bytes = of_tile / 4;
+  options.limits.points = 400;
+  restart();
+  const auto problem = refused(change("hers", 1));
+  EXPECT_EQ(problem.status(), 422);
+  EXPECT_NE(problem.detail().find("the change needs at least"), std::string::npos) << problem.detail();
+  EXPECT_NE(problem.detail().find("limits.disk"), std::string::npos) << problem.detail();
+  proto::Inputs adding;
+  adding.mutable_update()->set_triangulation("hers");
+  adding.mutable_update()->add_inputs("more.ply");
+  EXPECT_EQ(refused(adding).detail(), "inputs: hold 500 points; a job may have at most 400 here (limits.points)");
+  // Which points are in the box is only found by the job.
+  proto::Inputs box;
+  box.mutable_update()->set_triangulation("hers");
+  for (const double number : {0.4, 0.4, 0.4, 0.6, 0.6, 0.6}) box.mutable_update()->add_remove_box(number);
+  const auto failed = ended(submit(box));
+  EXPECT_EQ(failed.status(), "failed");
+  EXPECT_NE(failed.message().find("limits.disk"), std::string::npos) << failed.message();
+  EXPECT_EQ(info("hers").version(), 1U);
+  for (const auto& entry : std::filesystem::directory_iterator(results_folder(data()))) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name.front() != '.' || name.starts_with(".desk-")) << entry.path();
+  }
+  // Files that a new result shares with the old one are not written.
+  options.limits.disk_bytes = of_result * 9 / 10;
+  restart();
+  auto copy = change("hers", 1);
+  copy.mutable_update()->set_output("next");
+  EXPECT_EQ(ended(submit(copy)).status(), "successful");
+}
+
+TEST(DiskWatch, DoesNotCountFilesThatHaveAnotherNameElsewhere) {
+  const TemporaryFolder folder = temporary_folder();
+  const auto old = folder.path() / "old", made = folder.path() / "made";
+  std::filesystem::create_directories(old);
+  std::filesystem::create_directories(made);
+  std::ofstream(old / "shared") << std::string(200'000, 'a');
+  std::filesystem::create_hard_link(old / "shared", made / "shared");
+  std::ofstream(made / "own") << std::string(100'000, 'b');
+  Ledger ledger;
+  DiskWatch watch(made, ledger);
+  ASSERT_TRUE(watch.finish());
+  EXPECT_GE(ledger.written(), 100'000U);
+  EXPECT_LT(ledger.written(), 200'000U);
 }
 
 TEST_F(UpdateJobs, TellTheirVersions) {

@@ -12,6 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "src/base/attribute_value.h"
+#include "src/delaunay/update/select_points.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
+#include "src/job/engine_steps.h"
+#include "src/result/measure/hull_change.h"
+#include "src/result/measure/measure.h"
 #include "src/result/tile_source.h"
 #include "src/result/verify/verify.h"
 #include "tests/update/update_testing.h"
@@ -306,6 +313,171 @@ TEST_P(UpdateBy, StopsWhenItIsAskedTo) {
   ASSERT_FALSE(updated);
   EXPECT_EQ(updated.error().code, Errc::interrupted) << updated.error().where;
   EXPECT_FALSE(fs::exists(next()));
+}
+
+// Columns of a changed result are those of its points triangulated from scratch.
+class UpdateOfColumns : public Update, public ::testing::WithParamInterface<Case> {
+ protected:
+  using Values = std::map<std::pair<std::string, std::vector<PointId>>, std::vector<std::byte>>;
+
+  static void measure_all(const fs::path& out) {
+    const std::uint64_t memory_bytes = std::uint64_t{1} << 30;
+    for (const MeasureOptions& options :
+         {MeasureOptions{.volume = true, .quality = true, .voronoi = true, .density = true},
+          MeasureOptions{.density = true, .mass = "some"}, MeasureOptions{.density = true, .mass = "density"}}) {
+      MeasureOptions with_memory = options;
+      with_memory.memory_bytes = memory_bytes;
+      with_memory.threads = 2;
+      const auto measured = measure(out, with_memory, {});
+      ASSERT_TRUE(measured) << measured.error().where;
+    }
+  }
+
+  // By column, and by the vertex or the vertices of the cell. All files that have it must agree.
+  static Values columns_of(const fs::path& out) {
+    Values values;
+    const auto source = TileSource::open(out).value();
+    const auto& columns = source.manifest().columns;
+    for (std::size_t i = 0; i < source.tiles(); ++i) {
+      const auto read = source.read(i, {.cells = true, .rows = true, .cell_columns = true});
+      EXPECT_TRUE(read) << (read ? "" : read.error().where);
+      if (!read) return values;
+      const StoredTile& tile = read.value();
+      const TileMesh& mesh = tile.mesh;
+      const auto note = [&](const ResultColumn& column, std::vector<PointId> of, const std::byte* from) {
+        std::sort(of.begin(), of.end());
+        std::vector<std::byte> value(from, from + size_of(column.type));
+        const auto [known, first] = values.try_emplace({column.name, std::move(of)}, value);
+        EXPECT_EQ(known->second, value) << column.name << " in tile " << to_string(source.entry(i).tile);
+      };
+      std::size_t of_cells = 0;
+      for (const ResultColumn& column : columns) {
+        const auto in_row = column_of(tile.schema, column.name);
+        const auto corners = static_cast<std::ptrdiff_t>(mesh.dimension) + 1;
+        for (std::size_t v = 0; v < mesh.ids.size() && !column.of_cells; ++v)
+          note(column, {mesh.ids[v]}, &tile.rows[v * row_bytes(tile.schema) + in_row->offset]);
+        for (std::size_t c = 0; c < mesh.cell_ghost.size() && column.of_cells; ++c) {
+          std::vector<PointId> ids;
+          for (std::ptrdiff_t k = 0; k < corners; ++k)
+            ids.push_back(mesh.ids[static_cast<std::size_t>(
+                mesh.cells[c * static_cast<std::size_t>(corners) + static_cast<std::size_t>(k)])]);
+          note(column, std::move(ids), &tile.cell_columns[of_cells][c * size_of(column.type)]);
+        }
+        of_cells += column.of_cells ? 1 : 0;
+      }
+    }
+    return values;
+  }
+
+  void expect_columns_as_from_scratch() const {
+    const test::TemporaryFolder scratch;
+    const fs::path out = scratch.path() / "out";
+    cloud_.store(out);
+    measure_all(out);
+    const Manifest expected = read_manifest(out).value(), got = read_manifest(now()).value();
+    EXPECT_EQ(got.digest, expected.digest);
+    ASSERT_EQ(got.columns.size(), expected.columns.size());
+    for (std::size_t c = 0; c < got.columns.size(); ++c) {
+      EXPECT_EQ(got.columns[c].name, expected.columns[c].name);
+      EXPECT_EQ(got.columns[c].total, expected.columns[c].total) << got.columns[c].name;
+    }
+    EXPECT_TRUE(columns_of(now()) == columns_of(out));
+    const auto verified = verify(now(), {}, {});
+    EXPECT_TRUE(verified) << verified.error().where;
+  }
+
+  // Whether the hull may have changed with the last change.
+  bool hull_may_have_changed() const {
+    const auto before = TileSource::open(folder_.path() / ("r" + std::to_string(number_ - 1))).value();
+    const auto after = TileSource::open(now()).value();
+    HullChange change(before, {});
+    for (std::size_t i = 0; i < after.tiles(); ++i) {
+      EXPECT_TRUE(change.look_at(after.entry(i).tile, after.read(i, {}).value().mesh));
+    }
+    for (std::size_t i = 0; i < before.tiles(); ++i) {
+      if (after.find(before.entry(i).tile)) continue;
+      EXPECT_TRUE(change.look_at_gone(before.entry(i).tile));
+    }
+    return change.is_possible();
+  }
+
+  const LocalPoint& nearest_to(const Point& place) const {
+    const auto far = [&](const LocalPoint& p) {
+      return std::hypot(p.at.x - place.x, p.at.y - place.y, p.at.z - place.z);
+    };
+    return *std::min_element(cloud_.points.begin(), cloud_.points.end(),
+                             [&](const auto& a, const auto& b) { return far(a) < far(b); });
+  }
+};
+
+TEST_P(UpdateOfColumns, HaveTheBitsOfThoseFromScratch) {
+  make(GetParam(), 330, 21, true);
+  measure_all(now());
+  const bool flat = GetParam().dimension == 2;
+  const Point middle{0.5, 0.5, flat ? 0 : 0.5}, beside{0.4, 0.6, flat ? 0 : 0.5}, outside{-3, 0.25, flat ? 0 : 4.0};
+  const LocalPoint inner = nearest_to(middle), other = nearest_to(beside), corner = nearest_to({-9, 0.3, 0});
+
+  // Only the number of points at a place changes: no cell, but densities, also in tiles beside.
+  const Updated doubled = update(change({}, {inner.at, inner.at, other.at}));
+  EXPECT_EQ(doubled.written, 0u);
+  EXPECT_EQ(doubled.duplicates, 3u);
+  expect_columns_as_from_scratch();
+  EXPECT_FALSE(hull_may_have_changed());
+  const PointId second{cloud_.points_read - 3};
+  update(change({second}, {}));
+  expect_columns_as_from_scratch();
+  // A duplicate takes the place of its vertex, and another vertex goes with its duplicate.
+  update(change({inner.id, other.id, PointId{cloud_.points_read - 1}}, {}));
+  expect_columns_as_from_scratch();
+
+  update(change({nearest_to(middle).id}, {{0.51, 0.47, flat ? 0 : 0.49}}));
+  expect_columns_as_from_scratch();
+  EXPECT_FALSE(hull_may_have_changed());
+  update(change({corner.id}, {}));
+  expect_columns_as_from_scratch();
+  EXPECT_TRUE(hull_may_have_changed());
+  update(change({}, {outside, outside}));
+  expect_columns_as_from_scratch();
+  EXPECT_TRUE(hull_may_have_changed());
+
+  std::vector<PointId> one_tile{PointId{cloud_.points_read - 1}};
+  for (const LocalPoint& p : cloud_.points) {
+    if (cloud_.partition.tile_of(p.at) == cloud_.partition.tile_of(middle)) one_tile.push_back(p.id);
+  }
+  update(change(one_tile, {middle}));
+  expect_columns_as_from_scratch();
+  way_ = UpdateWay::anew;
+  update(change({nearest_to(beside).id}, {middle}));
+  expect_columns_as_from_scratch();
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, UpdateOfColumns,
+                         ::testing::Values(Case{"uniform", 2, 9, PartitionKind::kdtree, TileKind::cells},
+                                           Case{"uniform", 2, 12, PartitionKind::grid, TileKind::points, true},
+                                           Case{"uniform", 3, 8, PartitionKind::kdtree, TileKind::points},
+                                           Case{"uniform", 3, 5, PartitionKind::octree, TileKind::cells, true},
+                                           Case{"uniform", 3, 4, PartitionKind::random, TileKind::cells}),
+                         [](const auto& info) {
+                           return "In" + std::to_string(info.param.dimension) + "DOf" +
+                                  std::to_string(info.param.tiles);
+                         });
+
+// A mass of the new points is not finite.
+TEST_F(Update, RefusesAMassThatIsNotFiniteAndNamesTheVertex) {
+  make({"uniform", 2, 4, PartitionKind::kdtree, TileKind::cells}, 120, 4, false);
+  cloud_.schema = {{"mass", AttributeType::f64}};
+  cloud_.row_of = [](PointId id) {
+    const double mass = id.value == 80 ? std::numeric_limits<double>::infinity() : 1.5;
+    std::vector<std::byte> row(sizeof mass);
+    std::memcpy(row.data(), &mass, sizeof mass);
+    return row;
+  };
+  fs::remove_all(now());
+  cloud_.store(now());
+  const auto measured = measure(now(), {.density = true, .mass = "mass", .threads = 1}, {});
+  ASSERT_TRUE(measured) << measured.error().where;
+  const std::string said = refusal(change({}, {{0.5, 0.51, 0}}));
+  EXPECT_EQ(said, now().string() + ": the attribute 'mass' of vertex 80 is inf, but a mass must be finite");
 }
 
 }  // namespace

@@ -9,12 +9,21 @@
 #include "src/base/stopped.h"
 #include "src/delaunay/update/known_in_change.h"
 #include "src/result/far_files.h"
+#include "src/result/measure/made_again.h"
 
 namespace tessera {
 
 namespace fs = std::filesystem;
 
 namespace {
+
+// A new point may have a mass that is not finite, and then its change could not be stored.
+Status check_columns(const fs::path& out, const Manifest& manifest) {
+  const auto of_masses = std::ranges::find_if(manifest.columns, depends_on_masses);
+  if (of_masses == manifest.columns.end()) return success();
+  return error(Errc::usage, out.string() + ": has the computed column '" + of_masses->name +
+                                "', which could not be computed again for new points whose mass is not finite");
+}
 
 std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; }
 
@@ -39,6 +48,7 @@ Result<std::unique_ptr<LiveResult>> LiveResult::open(const fs::path& out, const 
   BOOST_OUTCOME_TRYV(result::refuse_far(out));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   BOOST_OUTCOME_TRYV(check_changeable(out, source.manifest()));
+  BOOST_OUTCOME_TRYV(check_columns(out, source.manifest()));
   BOOST_OUTCOME_TRY(partition, Partition::from_json(source.manifest().partition));
   std::unique_ptr<LiveResult> live(new LiveResult(std::move(source), std::move(partition), options));
   BOOST_OUTCOME_TRYV(live->load(stop));

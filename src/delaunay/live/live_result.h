@@ -142,9 +142,8 @@ class LiveResult {
   Status store();
   std::uint64_t tile_limit() const;
   void describe(Manifest& manifest, const LiveVersion& version) const;
-  Result<std::vector<FinishedTile>> finish_tiles(const std::filesystem::path& folder,
-                                                 const std::vector<TileEntry>& written,
-                                                 const std::filesystem::path& columns) const;
+  Result<FinishedTiles> finish_tiles(const std::filesystem::path& folder, const std::vector<TileEntry>& written,
+                                     const std::filesystem::path& columns) const;
   std::optional<Digest> digest_with(const std::vector<TileEntry>& written, const std::set<TileId>& other) const;
   Status begin_again(const Storing& stored);
   Result<std::optional<DuplicateRowSort>> rows_of_duplicates(const std::filesystem::path& scratch) const;

@@ -15,6 +15,7 @@
 #include "src/delaunay/live/live_writer.h"
 #include "src/delaunay/update/grown_tiles.h"
 #include "src/delaunay/update/known_in_change.h"
+#include "src/result/measure/hull_volume.h"
 #include "src/result/new_version.h"
 
 namespace tessera {
@@ -40,17 +41,19 @@ std::optional<Digest> LiveResult::digest_with(const std::vector<TileEntry>& writ
 
 // The files that were written to `folder`, with columns if the result has any. These come in a folder of their own, and
 // unchanged tiles with values of vertices of changed ones, too.
-Result<std::vector<FinishedTile>> LiveResult::finish_tiles(const fs::path& folder,
-                                                           const std::vector<TileEntry>& written,
-                                                           const fs::path& columns) const {
+Result<FinishedTiles> LiveResult::finish_tiles(const fs::path& folder, const std::vector<TileEntry>& written,
+                                               const fs::path& columns) const {
   std::map<TileId, TileEntry> entries;
-  std::vector<FinishedTile> plain;
+  std::set<TileId> gone = changed_;
+  FinishedTiles plain;
   for (const TileEntry& entry : written) {
     entries[entry.tile] = entry;
-    plain.push_back({entry, tile_file(folder, entry)});
+    gone.erase(entry.tile);
+    plain.tiles.push_back({entry, tile_file(folder, entry)});
   }
   if (whole_.manifest().columns.empty()) return plain;
-  return ChangedColumns(whole_, folder, entries, columns, {}).make(options_.threads);
+  ChangedColumns::Change change{entries, std::move(gone), duplicates_.pairs()};
+  return ChangedColumns(whole_, folder, std::move(change), columns, {}).make(options_.threads);
 }
 
 std::uint64_t LiveResult::tile_limit() const {
@@ -118,12 +121,15 @@ Status LiveResult::store() {
     if (stored.tiles.contains(tile) && !version.tiles()[tile.value]) next->remove_tile(i);
   }
   BOOST_OUTCOME_TRY(finished, finish_tiles(next->scratch(), written, update_columns_folder(next->scratch())));
-  for (const auto& [entry, file] : finished) {
+  for (const auto& [entry, file] : finished.tiles) {
     const auto index = source_.find(entry.tile);
     BOOST_OUTCOME_TRYV(index ? next->replace_tile(*index, entry, file) : next->add_tile(entry, file));
   }
   next->manifest().format_version = updated_format;
   describe(next->manifest(), version);
+  if (finished.hull_changed) {
+    BOOST_OUTCOME_TRYV(renew_totals(next->draft(), next->manifest().columns, {}));
+  }
   BOOST_OUTCOME_TRY(rows, rows_of_duplicates(next->scratch()));
   BOOST_OUTCOME_TRYV(next->replace_duplicates(duplicates_.pairs(), rows ? &*rows : nullptr));
   const auto digest = digest_with(written, stored.tiles);
@@ -200,7 +206,7 @@ Result<Manifest> LiveResult::write_to(const fs::path& to) const {
   BOOST_OUTCOME_TRY(finished, finish_tiles(folder.path(), written, made));
   manifest.tiles.clear();
   std::set<TileId> other = changed_;
-  for (const auto& [entry, file] : finished) {
+  for (const auto& [entry, file] : finished.tiles) {
     other.insert(entry.tile);
     manifest.tiles.push_back(entry);
     manifest.tiles.back().version = 1;
@@ -213,6 +219,9 @@ Result<Manifest> LiveResult::write_to(const fs::path& to) const {
     manifest.tiles.push_back(entry);
   }
   describe(manifest, *version);
+  if (finished.hull_changed) {
+    BOOST_OUTCOME_TRYV(renew_totals(TileSource::draft(made, manifest), manifest.columns, {}));
+  }
   BOOST_OUTCOME_TRY(rows, rows_of_duplicates(folder.path()));
   BOOST_OUTCOME_TRYV(finish_store(made, manifest, duplicates_.pairs(), rows ? &*rows : nullptr));
   BOOST_OUTCOME_TRYV(rename_file(made, to));
@@ -240,9 +249,7 @@ void LiveResult::describe(Manifest& manifest, const LiveVersion& version) const 
   }
   manifest.seconds.clear();
   manifest.figures.clear();
-  if (changed_.empty()) return;
-  manifest.other_heights.reset();                                      // results do not keep the heights of duplicates
-  for (ResultColumn& column : manifest.columns) column.total.reset();  // only a pass over all tiles tells it
+  if (!changed_.empty()) manifest.other_heights.reset();  // results do not keep the heights of duplicates
 }
 
 }  // namespace tessera

@@ -17,6 +17,7 @@
 #include "src/base/files/update_names.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/flat_codec.h"
+#include "src/base/ledger.h"
 #include "src/base/stopped.h"
 #include "src/base/too_large.h"
 #include "src/delaunay/run/result_stages.h"
@@ -149,6 +150,15 @@ Updated counted(const UpdatedResult::Ends& ends, const Wanted& wanted) {
     if (end.awake && old) updated.old_points += wanted.source.entry(*old).own_points;
   }
   return updated;
+}
+
+// Nodes and the engine's threads have written these files, which the ledger of this thread may not know.
+Status draw_files(const UpdatedResult::Ends& ends) {
+  Ledger* const ledger = Ledger::of_thread();
+  if (ledger == nullptr) return success();
+  std::uint64_t bytes = 0;
+  for (const auto& [tile, end] : ends) bytes += end.entry ? end.entry->bytes : 0;
+  return ledger->written_by_others(bytes);
 }
 
 struct Target {
@@ -366,6 +376,7 @@ Result<Updated> update(const fs::path& result, const ResultChange& change, const
   BOOST_OUTCOME_TRYV(
       runner.run(kind_of(wanted), path_of(wanted.source), run.path(), run.lock_file(), options.progress, stop));
   BOOST_OUTCOME_TRY(ends, gather(run.path(), wanted));
+  BOOST_OUTCOME_TRYV(draw_files(ends));
   Updated updated = counted(ends, wanted);
   BOOST_OUTCOME_TRY(divided, divide(run.path(), wanted, std::move(ends), options, stop));
   updated.split = divided.split;
@@ -387,11 +398,7 @@ Status check_changeable(const fs::path& result, const Manifest& manifest) {
     return refuse("is of format version " + std::to_string(manifest.format_version) +
                   ", which is read and not changed; triangulate again");
   if (manifest.region) return refuse("the result is a region of a cloud, and only whole results can be changed");
-  const auto dear = std::ranges::find_if_not(manifest.columns, can_be_made_again);
-  if (dear != manifest.columns.end())
-    return refuse("the result has the computed column '" + dear->name +
-                  "', which depends on more than cells and would not be right afterwards; change the result as it was "
-                  "before this column was computed");
+  BOOST_OUTCOME_TRYV(check_can_be_made_again(result, manifest));
   const bool rows_missing =
       manifest.duplicates_xxh3 != 0 && manifest.duplicate_rows_xxh3 == 0 && !manifest.schema.empty();
   if (manifest.keep != DuplicatePolicy::first && rows_missing)
@@ -420,6 +427,7 @@ Result<std::optional<VersionEntry>> finish_earlier(
   }
   VersionEntry entry = entry_of(manifest, 0);
   if (options.to.empty()) {
+    BOOST_OUTCOME_TRYV(mend_master(out, options.version.lock));
     BOOST_OUTCOME_TRY(told, tell_versions(out));
     if (!told.versions.empty() && told.versions.back().entry.version == entry.version)
       entry = std::move(told.versions.back().entry);

@@ -9,6 +9,7 @@
 #include "src/base/stopped.h"
 #include "src/delaunay/update/changed_columns.h"
 #include "src/delaunay/update/grown_tiles.h"
+#include "src/result/measure/hull_volume.h"
 
 namespace tessera {
 
@@ -59,9 +60,10 @@ bool may_widen(const Box& box, const Bounds& old, const Bounds& known, int dimen
 Status UpdatedResult::link_others() {
   manifest_ = whole_.manifest();
   manifest_.tiles.clear();
-  BOOST_OUTCOME_TRY(finished, finished_tiles());
+  BOOST_OUTCOME_TRY(finished, finished_tiles(duplicates()));
   std::set<TileId> written;
-  for (const auto& [entry, file] : finished) {
+  hull_changed_ = finished.hull_changed;
+  for (const auto& [entry, file] : finished.tiles) {
     written.insert(entry.tile);
     manifest_.tiles.push_back(entry);
     manifest_.tiles.back().version = 1;
@@ -178,7 +180,9 @@ Status UpdatedResult::finish() {
   for (ResultColumn& column : manifest_.columns) column.version = manifest_.version;
   manifest_.previous_master_xxh3.reset();
   describe(manifest_);
-  describe_columns(manifest_);
+  if (hull_changed_) {
+    BOOST_OUTCOME_TRYV(renew_totals(TileSource::draft(target(), manifest_), manifest_.columns, stop_));
+  }
   manifest_.vertices = manifest_.cells = 0;
   for (const TileEntry& entry : manifest_.tiles) {
     manifest_.vertices += entry.own_points;
@@ -191,22 +195,20 @@ Status UpdatedResult::finish() {
 }
 
 // With the columns of the result, if it has any.
-Result<std::vector<FinishedTile>> UpdatedResult::finished_tiles() const {
+Result<FinishedTiles> UpdatedResult::finished_tiles(std::span<const DuplicatePair> duplicates) const {
   std::map<TileId, TileEntry> written;
+  std::set<TileId> gone;
   for (const auto& [tile, end] : ends_) {
     if (end.entry) written[tile] = *end.entry;
+    if (end.changed && !end.entry) gone.insert(tile);
   }
-  if (!whole_.manifest().columns.empty())
-    return ChangedColumns(whole_, folder_, written, columns_, stop_).make(options_.threads);
-  std::vector<FinishedTile> finished;
-  for (const auto& [tile, entry] : written) finished.push_back({entry, tile_file(folder_, entry)});
+  if (!whole_.manifest().columns.empty()) {
+    ChangedColumns::Change change{written, std::move(gone), {duplicates.begin(), duplicates.end()}};
+    return ChangedColumns(whole_, folder_, std::move(change), columns_, stop_).make(options_.threads);
+  }
+  FinishedTiles finished;
+  for (const auto& [tile, entry] : written) finished.tiles.push_back({entry, tile_file(folder_, entry)});
   return finished;
-}
-
-// Only a pass over all tiles tells the total. It stays when all tiles stay.
-void UpdatedResult::describe_columns(Manifest& manifest) const {
-  if (std::none_of(ends_.begin(), ends_.end(), [](const auto& tile) { return tile.second.changed; })) return;
-  for (ResultColumn& column : manifest.columns) column.total.reset();
 }
 
 Status UpdatedResult::commit(NewVersion& version, const std::function<Status(const std::string& manifest)>& before) {
@@ -219,14 +221,16 @@ Status UpdatedResult::commit(NewVersion& version, const std::function<Status(con
     const auto end = ends_.find(source_.entry(i).tile);
     if (end != ends_.end() && end->second.changed && !end->second.entry) version.remove_tile(i);
   }
-  BOOST_OUTCOME_TRY(finished, finished_tiles());
-  for (const auto& [entry, file] : finished) {
+  const auto pairs = duplicates();
+  BOOST_OUTCOME_TRY(finished, finished_tiles(pairs));
+  for (const auto& [entry, file] : finished.tiles) {
     const auto index = source_.find(entry.tile);
     BOOST_OUTCOME_TRYV(index ? version.replace_tile(*index, entry, file) : version.add_tile(entry, file));
   }
-  describe_columns(manifest);
+  if (finished.hull_changed) {
+    BOOST_OUTCOME_TRYV(renew_totals(version.draft(), manifest.columns, stop_));
+  }
   if (duplicates_changed()) {
-    const auto pairs = duplicates();
     std::optional<DuplicateRowSort> rows;
     BOOST_OUTCOME_TRYV(sort_rows(pairs, rows));
     BOOST_OUTCOME_TRYV(version.replace_duplicates(pairs, rows ? &*rows : nullptr));

@@ -72,8 +72,7 @@ class UpdatedResult {
   bool duplicates_changed() const;
   std::vector<DuplicatePair> duplicates() const;
   Status sort_rows(std::span<const DuplicatePair> duplicates, std::optional<DuplicateRowSort>& rows) const;
-  Result<std::vector<FinishedTile>> finished_tiles() const;
-  void describe_columns(Manifest& manifest) const;
+  Result<FinishedTiles> finished_tiles(std::span<const DuplicatePair> duplicates) const;
 
   const TileSource& whole_;
   const TileSource& source_;
@@ -85,6 +84,7 @@ class UpdatedResult {
   const UpdateOptions& options_;
   std::filesystem::path folder_, columns_;
   std::stop_token stop_;
+  bool hull_changed_ = false;  // of the tiles that link_others() has finished
   Manifest manifest_;
 };
 

@@ -59,7 +59,12 @@ class Densities final : public TileMeasure {
 Result<std::unique_ptr<TileMeasure>> measure_density(const TileSource& source, const std::string& mass,
                                                      std::uint64_t memory_bytes, std::stop_token stop) {
   BOOST_OUTCOME_TRY(masses, VertexMasses::open(source, mass, memory_bytes));
-  return std::unique_ptr<TileMeasure>(std::make_unique<Densities>(source, std::move(masses), mass, std::move(stop)));
+  return measure_density(source, std::move(masses), mass, std::move(stop));
+}
+
+std::unique_ptr<TileMeasure> measure_density(const TileSource& source, VertexMasses masses, const std::string& mass,
+                                             std::stop_token stop) {
+  return std::make_unique<Densities>(source, std::move(masses), mass, std::move(stop));
 }
 
 }  // namespace tessera

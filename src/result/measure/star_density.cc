@@ -18,26 +18,40 @@ namespace tessera {
 Result<VertexMasses> VertexMasses::open(const TileSource& source, const std::string& attribute,
                                         std::uint64_t memory_bytes) {
   const Manifest& manifest = source.manifest();
-  VertexMasses masses;
-  masses.attribute_ = attribute;
   if (!attribute.empty()) {
+    VertexMasses masses;
+    masses.result_ = source.folder().string();
+    masses.attribute_ = attribute;
     BOOST_OUTCOME_TRY(column, query::find_column(source.folder(), manifest, attribute));
     masses.column_ = column;
     masses.row_bytes_ = row_bytes(manifest.schema);
     masses.left_out_ = manifest.duplicates;
     return masses;
   }
-  if (manifest.duplicates == 0) return masses;
+  if (manifest.duplicates == 0) return VertexMasses();
   if (manifest.duplicates > memory_bytes / (2 * sizeof(DuplicatePair)))
     return error(Errc::memory, source.folder().string() + ": its " + std::to_string(manifest.duplicates) +
                                    " duplicates do not fit into the memory; " + option("memory") + " must be larger");
   BOOST_OUTCOME_TRY(pairs, source.read_duplicates());
-  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.kept < b.kept; });
-  for (const DuplicatePair& pair : pairs) {
-    if (masses.shared_.empty() || masses.shared_.back().vertex != pair.kept) masses.shared_.push_back({pair.kept, 0});
+  return counted(pairs);
+}
+
+VertexMasses VertexMasses::counted(std::span<const DuplicatePair> duplicates) {
+  std::vector<PointId> kept;
+  kept.reserve(duplicates.size());
+  for (const DuplicatePair& pair : duplicates) kept.push_back(pair.kept);
+  std::sort(kept.begin(), kept.end());
+  VertexMasses masses;
+  for (const PointId vertex : kept) {
+    if (masses.shared_.empty() || masses.shared_.back().vertex != vertex) masses.shared_.push_back({vertex, 0});
     ++masses.shared_.back().duplicates;
   }
   return masses;
+}
+
+Error mass_not_finite(const std::string& result, const std::string& name, PointId vertex, double mass) {
+  return error(Errc::bad_input, result + ": the attribute '" + name + "' of vertex " + to_string(vertex) + " is " +
+                                    std::to_string(mass) + ", but a mass must be finite");
 }
 
 Result<std::vector<double>> VertexMasses::of(const TileSource& source, std::size_t index, const TileMesh& mesh) const {
@@ -56,10 +70,7 @@ Result<std::vector<double>> VertexMasses::of(const TileSource& source, std::size
   for (std::size_t v = 0; v < masses.size(); ++v) {
     if (mesh.point_ghost[v] != 0) continue;
     masses[v] = column_->value(tile.rows.data() + v * row_bytes_);
-    if (!std::isfinite(masses[v]))
-      return error(Errc::bad_input, source.folder().string() + ": the attribute '" + attribute_ + "' of vertex " +
-                                        to_string(mesh.ids[v]) + " is " + std::to_string(masses[v]) +
-                                        ", but a mass must be finite");
+    if (!std::isfinite(masses[v])) return mass_not_finite(result_, attribute_, mesh.ids[v], masses[v]);
   }
   return masses;
 }

@@ -18,6 +18,7 @@
 #include "src/base/ids.h"
 #include "src/base/result.h"
 #include "src/result/measure/scaled_double.h"
+#include "src/result/store/tile_store.h"
 #include "src/result/tile_source.h"
 
 namespace tessera {
@@ -33,9 +34,11 @@ class VertexMasses {
   // usage when the vertices have no such attribute; memory when the list of duplicates does not fit into
   // `memory_bytes`; corrupt, io.
   static Result<VertexMasses> open(const TileSource& source, const std::string& attribute, std::uint64_t memory_bytes);
+  // The masses of points that have the mass 1 each, in a result with these duplicates.
+  static VertexMasses counted(std::span<const DuplicatePair> duplicates);
 
-  // The masses of the vertices of a tile, in the order of the file; those of foreign vertices are 0. Errors: bad_input
-  // for a mass that is not finite, with the id of the vertex; those of reading.
+  // The masses of the vertices of a tile, in the order of the file; those of foreign vertices are 0. `source` has the
+  // attributes of the one that was opened. Errors: mass_not_finite(); those of reading.
   Result<std::vector<double>> of(const TileSource& source, std::size_t index, const TileMesh& mesh) const;
 
   // A sentence about duplicates whose masses do not count; else empty.
@@ -47,12 +50,16 @@ class VertexMasses {
     PointId vertex;
     std::uint64_t duplicates = 0;
   };
+  std::string result_;  // for errors
   std::string attribute_;
   std::optional<AttributeColumn> column_;
   std::size_t row_bytes_ = 0;
   std::vector<Shared> shared_;  // by vertex
   std::uint64_t left_out_ = 0;  // duplicates whose masses are not known
 };
+
+// Error bad_input: the attribute or column `name` of a vertex is no mass.
+Error mass_not_finite(const std::string& result, const std::string& name, PointId vertex, double mass);
 
 // The densities of the tile's own vertices; 0 for foreign ones. Errors: corrupt for a cell that is not positively
 // oriented; interrupted.

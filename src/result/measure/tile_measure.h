@@ -18,6 +18,8 @@
 
 namespace tessera {
 
+class VertexMasses;  // star_density.h
+
 // What a measure computes of the cells of one tile, from the exact volumes of the cells.
 class CellValues {
  public:
@@ -59,6 +61,9 @@ std::unique_ptr<TileMeasure> measure_voronoi(const TileSource& source, std::stop
 // the mass 1. Errors: those of VertexMasses::open(). REQUIRES: the result is a whole triangulation.
 Result<std::unique_ptr<TileMeasure>> measure_density(const TileSource& source, const std::string& mass,
                                                      std::uint64_t memory_bytes, std::stop_token stop);
+// The same with masses that are known.
+std::unique_ptr<TileMeasure> measure_density(const TileSource& source, VertexMasses masses, const std::string& mass,
+                                             std::stop_token stop);
 
 // Values of all measures, one after the other.
 Result<PassValues> values_of(const std::vector<std::unique_ptr<TileMeasure>>& measures, const TileSource& source,

@@ -256,7 +256,11 @@ Result<HeightsOptions> heights_options(const proto::HagInputs& inputs, const Job
 }
 
 Result<MeasureOptions> measure_options(const proto::MeasureInputs& inputs, const JobShare& share) {
-  MeasureOptions options{.volume = inputs.volume(), .quality = inputs.quality(), .voronoi = inputs.voronoi()};
+  MeasureOptions options{.volume = inputs.volume(),
+                         .quality = inputs.quality(),
+                         .voronoi = inputs.voronoi(),
+                         .density = inputs.density(),
+                         .mass = inputs.mass()};
   BOOST_OUTCOME_TRYV(check_measure_options(options));
   BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
   options.memory_bytes = own.memory_bytes;

@@ -19,7 +19,8 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// The bytes that the files below the folder take on disk. Files that vanish meanwhile count as nothing.
+// The bytes that the files below the folder take on disk. Files that vanish meanwhile count as nothing, and so do files
+// with another name elsewhere: the job has not written them.
 Result<std::uint64_t> bytes_below(const std::filesystem::path& folder) {
   std::uint64_t bytes = 0;
   std::vector<std::filesystem::path> folders{folder};
@@ -32,7 +33,8 @@ Result<std::uint64_t> bytes_below(const std::filesystem::path& folder) {
       if (!found) continue;
       if (S_ISDIR(found->st_mode)) folders.push_back(here / name);
       constexpr std::uint64_t block_bytes = 512;  // unit of st_blocks on all file systems
-      if (S_ISREG(found->st_mode)) bytes += static_cast<std::uint64_t>(found->st_blocks) * block_bytes;
+      if (S_ISREG(found->st_mode) && found->st_nlink == 1)
+        bytes += static_cast<std::uint64_t>(found->st_blocks) * block_bytes;
     }
     if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
       return io_error(here, "cannot be listed", reader.error().value());

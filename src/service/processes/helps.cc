@@ -128,6 +128,9 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"volume", "The volume of each cell, and for each vertex that of the cells around it; for a 2D result areas."},
     {"quality", "The shape of each cell: radius ratio, least and largest angle, circumradius."},
     {"voronoi", "The Voronoi cell of each vertex: its volume, surface, number of neighbours and centroid."},
+    {"density",
+     "The density of each vertex: dimension + 1 times its mass, divided by the volume of the cells around it; each "
+     "point has the mass 1, duplicates included."},
     {"clip",
      "To what cells are clipped: hull (the convex hull; default in 2D), none (default in 3D), a box "
      "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax, or polygons as text in GeoJSON."},

@@ -36,8 +36,8 @@ constinit const Process measure_process{
     .name = "measure",
     .title = "Measure",
     .description =
-        "Computes columns of cells and vertices: volumes and shapes of cells, Voronoi cells of vertices. They become a "
-        "new version of the result, which only its owner or an admin may have made.",
+        "Computes columns of cells and vertices: volumes and shapes of cells, Voronoi cells and densities of vertices. "
+        "They become a new version of the result, which only its owner or an admin may have made.",
     .outcome = "The names of the columns, and the sum of the volumes",
     .reads = Process::Reads::a_result,
     .makes = Process::Makes::columns,

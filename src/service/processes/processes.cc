@@ -105,7 +105,7 @@ Reply<Submitted> Processes::submit(const proto::Inputs& inputs, const Caller& ca
 }
 
 Reply<proto::Estimate> Processes::estimate(const proto::Inputs& inputs, const Caller& caller) {
-  const bool reads_inputs = makes_result(inputs);
+  const bool reads_inputs = makes_result(inputs) || inputs.has_update();
   if (caller.role < (reads_inputs ? Role::submit : Role::read))
     return problem(403, "an estimate that reads input files needs a token of role submit", Errc::usage);
   const WhileAnyoneWaits waited(caller.stop);

@@ -14,6 +14,7 @@
 #include "src/job/engine_steps.h"
 #include "src/job/told_update.h"
 #include "src/job/version.h"
+#include "src/result/new_version.h"
 #include "src/result/version_log.h"
 #include "src/service/problem.h"
 #include "src/service/processes/disk_watch.h"
@@ -22,6 +23,7 @@
 #include "src/service/processes/made_file.h"
 #include "src/service/processes/result_costs.h"
 #include "src/service/processes/rows.h"
+#include "src/service/processes/update_costs.h"
 #include "src/service/processes/update_inputs.h"
 #include "src/service/processes/workshop.h"
 
@@ -73,6 +75,8 @@ Result<std::optional<UpdateJson>> told_if_made(const Workshop& shop, const proto
   const auto made = std::ranges::find_if(
       versions.versions, [&](const ToldVersion& version) { return ResultFolders::is_of(version.entry.command, job); });
   if (made == versions.versions.end()) return none;
+  BOOST_OUTCOME_TRYV(
+      mend_master(shop.results.folder(job.triangulation()), lock_of_unfinished(shop, Ledger::token_of_thread())));
   return std::optional(told_of_made(made->entry, job.triangulation()));
 }
 
@@ -160,8 +164,10 @@ constinit const Process update_process{
     .outcome = "The new version or result, by reference, and what has changed",
     .reads = Process::Reads::a_result,
     .makes = Process::Makes::change,
+    .costs = Process::Costs::before_it_waits,
     .check_options = check_update_options,
     .check = check_update,
+    .estimate = estimate_update,
     .run = run_update};
 
 }  // namespace tessera::service

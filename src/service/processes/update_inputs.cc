@@ -105,24 +105,6 @@ Status find_parts(const Workshop& shop, const JobWork& work, const TileSource& s
   return success();
 }
 
-Status read_ids(const Workshop& shop, const proto::UpdateInputs& inputs, std::vector<PointId>& ids) {
-  for (const std::uint64_t id : inputs.remove_ids()) ids.push_back(PointId{id});
-  if (!inputs.has_remove_ids_file()) return success();
-  const auto read = [&]() -> Result<std::vector<std::uint64_t>> {
-    BOOST_OUTCOME_TRY(files, shop.roots.files({inputs.remove_ids_file()}, false));
-    if (files.size() != 1)
-      return error(Errc::usage, "'" + inputs.remove_ids_file() + "' are " + std::to_string(files.size()) +
-                                    " files, and must be one");
-    if (names_object(files.front())) return error(Errc::usage, files.front() + ": is an address, and must be a file");
-    BOOST_OUTCOME_TRY(file, open_file(files.front()));
-    return read_npy_integers(*file);
-  };
-  const auto listed = read();
-  if (!listed) return error(listed.error().code, "remove_ids_file: " + listed.error().where);
-  for (const std::uint64_t id : listed.value()) ids.push_back(PointId{id});
-  return success();
-}
-
 Status add_points(const Workshop& shop, const JobWork& work, const UpdateRequest& request, const TileSource& source,
                   ChangeOfResult& made) {
   const auto& inputs = work.job.inputs().update();
@@ -173,6 +155,25 @@ Result<UpdateRequest> update_request(const proto::UpdateInputs& inputs, const Jo
   return request;
 }
 
+Result<std::vector<PointId>> ids_to_remove(const Workshop& shop, const proto::UpdateInputs& inputs) {
+  std::vector<PointId> ids;
+  for (const std::uint64_t id : inputs.remove_ids()) ids.push_back(PointId{id});
+  if (!inputs.has_remove_ids_file()) return ids;
+  const auto read = [&]() -> Result<std::vector<std::uint64_t>> {
+    BOOST_OUTCOME_TRY(files, shop.roots.files({inputs.remove_ids_file()}, false));
+    if (files.size() != 1)
+      return error(Errc::usage, "'" + inputs.remove_ids_file() + "' are " + std::to_string(files.size()) +
+                                    " files, and must be one");
+    if (names_object(files.front())) return error(Errc::usage, files.front() + ": is an address, and must be a file");
+    BOOST_OUTCOME_TRY(file, open_file(files.front()));
+    return read_npy_integers(*file);
+  };
+  const auto listed = read();
+  if (!listed) return error(listed.error().code, "remove_ids_file: " + listed.error().where);
+  for (const std::uint64_t id : listed.value()) ids.push_back(PointId{id});
+  return ids;
+}
+
 Result<ChangeOfResult> read_change_of_result(const Workshop& shop, const JobWork& work, UpdateRequest request) {
   const auto& inputs = work.job.inputs().update();
   const auto folder = shop.results.folder(inputs.triangulation());
@@ -180,7 +181,8 @@ Result<ChangeOfResult> read_change_of_result(const Workshop& shop, const JobWork
   BOOST_OUTCOME_TRYV(check_changeable(folder, opened.manifest()));
   const TileSource source = opened.without_columns().stopped_by(work.ledger.token());
   ChangeOfResult made;
-  BOOST_OUTCOME_TRYV(read_ids(shop, inputs, made.change.remove));
+  BOOST_OUTCOME_TRY(ids, ids_to_remove(shop, inputs));
+  made.change.remove = std::move(ids);
   BOOST_OUTCOME_TRYV(find_parts(shop, work, source, request.selection));
   if (inputs.inputs_size() > 0) {
     BOOST_OUTCOME_TRYV(add_points(shop, work, request, source, made));

@@ -23,6 +23,9 @@ struct UpdateRequest {
 // Errors: usage, with marks for options.
 Result<UpdateRequest> update_request(const proto::UpdateInputs& inputs, const JobShare& share);
 
+// The source indices that the inputs name. Errors: usage and bad_input for a file that has none; io.
+Result<std::vector<PointId>> ids_to_remove(const Workshop& shop, const proto::UpdateInputs& inputs);
+
 struct ChangeOfResult {
   ResultChange change = {};
   std::vector<Manifest::Input> inputs = {};  // of the new points
