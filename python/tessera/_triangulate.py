@@ -25,7 +25,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 classes: typing.Iterable[int] = (), returns: str = "all", without: typing.Iterable[str] = (),
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
-                keep: str = "first", store: str = "auto") -> Triangulation:
+                keep: str = "first", store: str = "auto",
+                periodic: float | typing.Sequence[float] | None = None, periodic_snap: str = "yes") -> Triangulation:
     """Computes the exact Delaunay triangulation of any number of points: in tiles, on threads, within a memory limit.
 
     Parameters
@@ -62,6 +63,12 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     crs
         The coordinate system of all points, in place of what the files say: "EPSG:n", WKT, or a file with one of these.
         None: what the files say.
+    periodic
+        The cloud is periodic: its box begins at 0, and opposite sides are the same place. One period for all axes, or
+        one for each axis, 0 for an axis without a period. See Tile.offsets.
+    periodic_snap
+        "yes": rounds coordinates and periods with too many binary digits for exact images, with a warning. "no": such
+        numbers are errors.
     classes
         For files: takes only points of these LAS classes, for example [2, 9].
     returns
@@ -124,7 +131,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                           threads=threads, memory=memory, attributes=() if values is not None else attributes, neighbors=neighbors,
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
-                          heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store)
+                          heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store,
+                          periodic=periodic, periodic_snap=periodic_snap)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
     report = None if progress is None else lambda *figures: progress(Progress(*figures))

@@ -44,6 +44,7 @@ struct VersionOptions {
   LockOptions lock = {};
   // How many of the newest versions stay readable, from now on; at least 1. Nothing: as many as before.
   std::optional<std::uint32_t> keep = {};
+  Periods periods = Periods::refused;  // of the result
 };
 
 // What a version says of itself in the log.

@@ -11,7 +11,8 @@ namespace tessera {
 
 struct TriangulationOptions::Impl {
   JobOptions job;  // as the program set it; 0 threads and 0 bytes let the library choose
-  std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first", store = "auto";
+  std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first", store = "auto",
+              periodic_snap = "yes";
   std::vector<double> crop;
   std::filesystem::path folder;
   bool overwrite = false, resume = false;
