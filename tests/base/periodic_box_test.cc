@@ -40,7 +40,7 @@ TEST(PeriodicBox, PlacesAreExact) {
   };
   for (int i = 0; i < 100'000; ++i) {
     const double length = in_steps(std::abs(any(20)) + 1e-9);
-    const PeriodicBox box({{length, 0, 0}});
+    const PeriodicBox box(Period{{length, 0, 0}});
     const double x = rng() % 16 == 0   ? std::round(any(40)) * length
                      : rng() % 16 == 0 ? -std::abs(any(8)) * 1e-30
                                        : any(40);
