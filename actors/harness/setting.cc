@@ -43,12 +43,12 @@ void make_periodic(int dimension, std::mt19937_64& rng, Setting& s) {
 
 }  // namespace
 
-CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition) {
+CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition, const Period& period) {
   CutCloud out;
   out.tiles.resize(partition.tiles());
   out.bounds.resize(partition.tiles());
-  AffineBasis span(partition.dimension());
-  SeedFinder seeds(partition.dimension());
+  AffineBasis span(partition.dimension(), period);
+  SeedFinder seeds(partition.dimension(), period);
   for (const LocalPoint& p : cloud) {
     const TileId tile = partition.tile_of(p.at);
     out.tiles[tile.value].push_back(p);
@@ -57,7 +57,7 @@ CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition) {
   }
   span.add(cloud);
   std::vector<LocalPoint> everywhere = span.span();
-  if (std::find(everywhere.begin(), everywhere.end(), span.least()) == everywhere.end())
+  if (!period.any() && std::find(everywhere.begin(), everywhere.end(), span.least()) == everywhere.end())
     everywhere.push_back(span.least());
   out.seeds = seeds.choose(partition, out.bounds, everywhere);
   return out;
@@ -83,7 +83,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   const auto cells =
       std::make_shared<const Partition>(Partition::build_tiles(options.partition, d, sample, bounds, options.tiles));
   const Partition& partition = *cells;
-  auto [own, tile_bounds, known] = cut(s.cloud, partition);
+  auto [own, tile_bounds, known] = cut(s.cloud, partition, s.period);
   s.tiles = std::move(own);
   switch (rng() % 4) {
     case 0:  // only those that the proof needs

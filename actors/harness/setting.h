@@ -38,7 +38,7 @@ struct CutCloud {
   std::vector<Bounds> bounds;
   std::vector<Seed> seeds;
 };
-CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition);
+CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition, const Period& period = {});
 
 // Returns the number of points of each tile.
 std::shared_ptr<const std::vector<std::uint64_t>> points_of(const std::vector<std::vector<LocalPoint>>& tiles);

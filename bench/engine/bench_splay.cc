@@ -74,26 +74,23 @@ class Exchange {
            const Period& period)
       : o_(o), points_(cells->tiles()), bounds_(cells->tiles()) {
     const Partition& partition = *cells;
-    const auto cut = final_boxes(cells, period);  // a tile that ends at the period has no outermost point
-    const std::vector<Box>& boxes = period.any() ? *cut : partition.boxes();
-    AffineBasis span(o.dimension);
-    SeedFinder finder(o.dimension);
+    AffineBasis span(o.dimension, period);
+    SeedFinder finder(o.dimension, period);
     for (const LocalPoint& p : cloud) {
       const TileId t = partition.tile_of(p.at);
       points_[t.value].push_back(p);
       bounds_[t.value].add(p.at);
-      finder.add(t, boxes[t.value], p);
+      finder.add(t, partition.boxes()[t.value], p);
     }
     span.add(cloud);
     std::vector<LocalPoint> everywhere = span.span();
-    everywhere.push_back(span.least());
-    if (period.any()) everywhere.erase(everywhere.begin(), everywhere.end() - 1);  // periods along all axes
+    if (!period.any()) everywhere.push_back(span.least());
     std::vector<Seed> seeds = finder.choose(partition, bounds_, everywhere);
     if (!o.seeds) std::erase_if(seeds, [](const Seed& s) { return !std::isinf(s.reach); });
     auto neighbours = touching_tiles(partition, bounds_, period);
     if (!o.announce) neighbours.assign(partition.tiles(), {});
     stage_.dimension = o.dimension;
-    stage_.boxes = cut;
+    stage_.boxes = final_boxes(cells, period);
     stage_.around = std::make_shared<const KnownFromStart>(bounds_, neighbours, std::move(seeds), period);
   }
 

@@ -68,6 +68,12 @@ class TESSERA_PUBLIC TriangulationOptions {
   // Leaves out points outside the closed box: xmin, ymin, xmax, ymax (any z), or in 3D also xmin, ymin, zmin, xmax,
   // ymax, zmax. Empty, the default: no crop.
   TriangulationOptions& crop(std::vector<double> box);
+  // The cloud is periodic: one period for all axes, or one for each, 0 for an axis without a period. Points are moved
+  // into the box that begins at 0. Empty, the default: no period.
+  TriangulationOptions& periodic(std::vector<double> periods);
+  // "yes", the default: coordinates and periods with too many binary digits for exact images are rounded, by 2^-52 of
+  // the period at most, with a warning. "no": they are refused.
+  TriangulationOptions& periodic_snap(const std::string& snap);
   // The coordinate system of all points, in place of what the files say: "EPSG:n", WKT, or the name of a file with one
   // of them. Empty, the default: what the files say.
   TriangulationOptions& crs(const std::string& crs);

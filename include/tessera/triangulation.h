@@ -2,6 +2,7 @@
 // at a time into memory. docs/glossary.md explains the words.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -36,8 +37,11 @@ class TESSERA_PUBLIC Tile {
   std::span<const double> points() const;
   // n: the source index of each vertex, which is its rank in the whole input, counted from 0.
   std::span<const std::uint64_t> ids() const;
-  // n: 1 for a vertex that another tile owns, else 0.
+  // n: 1 for a vertex that another tile owns, else 0. In a periodic result also 1 for an image of a vertex.
   std::span<const std::uint8_t> foreign() const;
+  // Shape: n x 3. How many periods each vertex lies away from the point of the same source index in the box, by axis:
+  // -1, 0 or 1. points() has the coordinates of the image. Empty if no vertex of the tile is an image.
+  std::span<const std::int8_t> offsets() const;
   // The vertices of the m cells, as indices into points(). Shape: m x (dimension+1). Cells are positively oriented.
   std::span<const std::int32_t> cells() const;
   // m: 1 for a cell that is counted in another tile, else 0. The cells with 0, over all tiles, are the triangulation,
@@ -119,6 +123,8 @@ class TESSERA_PUBLIC Triangulation {
   // points in the same order, whatever their tiles are (wrong with a probability of 2^-128). "" for results of software
   // that made no digest.
   std::string digest() const;
+  // The period along x, y and z; 0 along an axis without one.
+  std::array<double, 3> period() const;
   // The number of tiles that have points. tile() counts them from 0.
   std::size_t tiles() const;
   // Reads a tile from disk. Failure: usage if `index` is not below tiles(); io, corrupt.

@@ -34,6 +34,8 @@ void bind_options(py::module_& module) {
       .def("neighbors", setter(&Options::neighbors))
       .def("skip_invalid", setter(&Options::skip_invalid))
       .def("crop", setter(&Options::crop))
+      .def("periodic", setter(&Options::periodic))
+      .def("periodic_snap", setter(&Options::periodic_snap))
       .def("crs", setter(&Options::crs))
       .def("heights", setter(&Options::heights))
       .def("classes", setter(&Options::classes))

@@ -101,6 +101,8 @@ void bind_tile(py::module_& module) {
                              })
       .def_property_readonly("foreign",
                              [](const py::object& self) { return mask_view(self.cast<const Tile&>().foreign(), self); })
+      .def_property_readonly(
+          "offsets", [](const py::object& self) { return rows_view(self.cast<const Tile&>().offsets(), 3, self); })
       .def_property_readonly("cells",
                              [](const py::object& self) {
                                const auto& tile = self.cast<const Tile&>();
@@ -141,6 +143,7 @@ void bind_triangulation(py::module_& module) {
       .def_property_readonly("duplicates_at_other_heights", &Triangulation::duplicates_at_other_heights)
       .def_property_readonly("digest", &Triangulation::digest)
       .def_property_readonly("crs", &Triangulation::crs)
+      .def_property_readonly("period", &Triangulation::period)
       .def_property_readonly("tiles", &Triangulation::tiles)
       .def("tile", &Triangulation::tile, without_gil)
       .def("export_to", &export_to)

@@ -6,6 +6,7 @@ import typing
 import numpy as np
 import numpy.typing as npt
 
+from ._errors import UsageError
 from ._tile import Tile
 
 
@@ -22,6 +23,8 @@ class Mesh(typing.NamedTuple):
 
 def mesh_of(tiles: typing.Sequence[Tile], dim: int, foreign: bool = False) -> Mesh:
     """Joins tiles. foreign: also takes points that other tiles own, which one tile alone needs."""
+    if any(tile.offsets is not None for tile in tiles):
+        raise UsageError("the corners of periodic cells are images of points, and only tiles have offsets: use them")
     own = [np.full(len(tile.ids), True) if foreign else ~tile.foreign for tile in tiles]
     main = [~tile.ghost for tile in tiles]
     ids = joined([tile.ids[kept] for tile, kept in zip(tiles, own)], np.empty(0, np.int64))

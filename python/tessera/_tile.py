@@ -46,6 +46,16 @@ class Tile:
         return self._tile.foreign
 
     @property
+    def offsets(self) -> npt.NDArray[np.int8] | None:
+        """In a periodic triangulation: how many periods each point lies away from the point of the same id in the box.
+
+        n x dim numbers -1, 0 or 1. `points` are the coordinates of the images. A point with an offset is foreign, even
+        if its id is that of a point of this tile. None if no point of the tile is an image.
+        """
+        offsets = self._tile.offsets
+        return offsets[:, : self.dim] if len(offsets) else None
+
+    @property
     def cells(self) -> npt.NDArray[np.int32]:
         """The vertices of each cell, as rows of `points`: m x (dim+1), positively oriented: det(p1-p0, ...) > 0."""
         return self._tile.cells
@@ -80,7 +90,8 @@ class Tile:
         return loaded_tile, (self.id, self.dim, *map(np.array, (self.points, self.ids, self.foreign, self.cells, self.ghost,
                                                                 self._tile.neighbors)),
                              {name: np.array(values) for name, values in self.attributes.items()},
-                             {name: np.array(values) for name, values in self.cell_columns.items()})
+                             {name: np.array(values) for name, values in self.cell_columns.items()},
+                             np.array(self._tile.offsets))
 
     def __repr__(self) -> str:
         return f"<tessera.Tile {self.id}: {len(self.points)} points, {len(self.cells)} {cell_word(self.dim)}>"
@@ -88,13 +99,13 @@ class Tile:
 
 def loaded_tile(id: int, dim: int, points: np.ndarray, ids: np.ndarray, foreign: np.ndarray, cells: np.ndarray,
                 ghost: np.ndarray, neighbors: np.ndarray, attributes: dict[str, np.ndarray],
-                cell_columns: dict[str, np.ndarray]) -> Tile:
+                cell_columns: dict[str, np.ndarray], offsets: np.ndarray = np.empty((0, 3), np.int8)) -> Tile:
     """Returns a tile that was pickled. It consists of arrays and needs no result folder."""
-    for array in (points, ids, foreign, cells, ghost, neighbors, *attributes.values(),
+    for array in (points, ids, foreign, cells, ghost, neighbors, offsets, *attributes.values(),
                   *cell_columns.values()):
         array.setflags(write=False)
     return Tile(types.SimpleNamespace(id=id, dimension=dim, points=points, ids=ids, foreign=foreign, cells=cells,
-                                      ghost=ghost, neighbors=neighbors, attributes=attributes, cell_columns=cell_columns))
+                                      ghost=ghost, neighbors=neighbors, attributes=attributes, cell_columns=cell_columns, offsets=offsets))
 
 
 def cell_word(dim: int) -> str:

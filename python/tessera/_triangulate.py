@@ -25,8 +25,10 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 classes: typing.Iterable[int] = (), returns: str = "all", without: typing.Iterable[str] = (),
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
-                keep: str = "first", store: str = "auto", scans: typing.Iterable[int] = (), endpoint: str | None = None,
-                profile: str | None = None, anonymous: bool = False, requester_pays: bool = False) -> Triangulation:
+                keep: str = "first", store: str = "auto", scans: typing.Iterable[int] = (),
+                periodic: float | typing.Sequence[float] | None = None, periodic_snap: str = "yes",
+                endpoint: str | None = None, profile: str | None = None, anonymous: bool = False,
+                requester_pays: bool = False) -> Triangulation:
     """Computes the exact Delaunay triangulation of any number of points: in tiles, on threads, within a memory limit.
 
     Parameters
@@ -64,6 +66,12 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     crs
         The coordinate system of all points, in place of what the files say: "EPSG:n", WKT, or a file with one of these.
         None: what the files say.
+    periodic
+        The cloud is periodic: its box begins at 0, and opposite sides are the same place. One period for all axes, or
+        one for each axis, 0 for an axis without a period. See Tile.offsets.
+    periodic_snap
+        "yes": rounds coordinates and periods with too many binary digits for exact images, with a warning. "no": such
+        numbers are errors.
     classes
         For files: takes only points of these LAS classes, for example [2, 9].
     scans
@@ -133,8 +141,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
                           heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store,
-                          scans=scans, endpoint=endpoint, profile=profile, anonymous=anonymous,
-                          requester_pays=requester_pays)
+                          scans=scans, periodic=periodic, periodic_snap=periodic_snap, endpoint=endpoint, profile=profile,
+                          anonymous=anonymous, requester_pays=requester_pays)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
     report = None if progress is None else lambda *figures: progress(Progress(*figures))

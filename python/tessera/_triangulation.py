@@ -192,6 +192,11 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
         """The coordinate reference system, from the input files or the argument `crs`; "" if it is not known."""
         return self._triangulation.crs
 
+    @property
+    def period(self) -> tuple[float, ...]:
+        """The period along each axis, 0 along axes without one."""
+        return tuple(self._triangulation.period[: self.dim])
+
     def __len__(self) -> int:
         return self._triangulation.tiles
 
@@ -212,8 +217,11 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
         """Returns all cells in one array: n_cells x (dim+1) ranks of points in the input (rows, if the input was an
         array).
 
-        The array takes 8 (dim+1) bytes a cell, some 200 bytes a point in 3D. One tile is in memory at a time.
+        The array takes 8 (dim+1) bytes a cell, some 200 bytes a point in 3D. One tile is in memory at a time. Raises
+        UsageError for a periodic triangulation, whose cells have images of points (Tile.offsets).
         """
+        if any(self.period):
+            raise UsageError("the corners of periodic cells are images of points: read the tiles, which have offsets")
         cells = np.empty((self.n_cells, self.dim + 1), np.int64)
         end = 0
         for tile in self:

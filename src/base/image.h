@@ -7,6 +7,7 @@
 
 #include <array>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -35,7 +36,16 @@ struct PeriodOffset {
 struct Period {
   std::array<double, 3> length{};
 
+  friend bool operator==(const Period&, const Period&) = default;
+
   bool any() const { return length[0] > 0 || length[1] > 0 || length[2] > 0; }
+  bool along(int axis) const { return length[static_cast<std::size_t>(axis)] > 0; }
+  // How many of the axes have no period.
+  int open_axes(int dimension) const {
+    int axes = 0;
+    for (int axis = 0; axis < dimension; ++axis) axes += along(axis) ? 0 : 1;
+    return axes;
+  }
   // Whether an image can have this offset.
   bool allows(const PeriodOffset& o) const {
     const auto fits = [&](int axis) { return o.by[axis] == 0 || length[axis] > 0; };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "src/base/files/folder_lock.h"
+#include "src/base/image.h"
 #include "src/base/option.h"
 #include "src/base/stopped.h"
 #include "src/result/store/early_cells.h"
@@ -24,19 +25,19 @@ class PointsOfRun final : public TilePoints {
   const std::vector<Attribute>& schema() const override { return run_->schema; }
   Result<LoadedTile> load(TileId tile) const override { return load_tile(*run_, tile); }
 
-  // The rows of foreign vertices are in their owners' files.
+  // The rows of foreign vertices are in their owners' files. Images have the rows of their points.
   Result<std::vector<std::byte>> rows(TileId, std::span<const PointId> vertices,
                                       std::span<const TileId> owners) const override {
     const std::size_t width = row_bytes(run_->schema);
     std::vector<std::byte> rows(vertices.size() * width);
     if (width == 0) return rows;
     std::map<TileId, std::vector<std::size_t>> by_owner;
-    for (std::size_t i = 0; i < owners.size(); ++i) by_owner[owners[i]].push_back(i);
+    for (std::size_t i = 0; i < owners.size(); ++i) by_owner[plain(owners[i])].push_back(i);
     ShuffleFileMaps maps(*run_);
     for (const auto& [owner, places] : by_owner) {
       std::vector<PointId> ids;
       ids.reserve(places.size());
-      for (const std::size_t i : places) ids.push_back(vertices[i]);
+      for (const std::size_t i : places) ids.push_back(plain(vertices[i]));
       BOOST_OUTCOME_TRY(part, load_rows(maps, owner, ids));
       for (std::size_t k = 0; k < places.size(); ++k) {
         std::memcpy(&rows[places[k] * width], &part[k * width], width);

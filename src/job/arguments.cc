@@ -177,6 +177,19 @@ Result<double> parse_distance(std::string_view text) {
   return *number;
 }
 
+// Words such as "nan" and "inf" are numbers here. Cloud::open() refuses them.
+Result<std::vector<double>> parse_periods(std::string_view text) {
+  std::vector<double> periods;
+  for (const auto part : split_commas(text)) {
+    double number = 0;
+    const auto [end, ec] = std::from_chars(part.data(), part.data() + part.size(), number);
+    if (ec != std::errc{} || end != part.data() + part.size() || periods.size() == 3)
+      return refuse(text, "is not a period like 100, or one for each axis like 100,100,0");
+    periods.push_back(number);
+  }
+  return periods;
+}
+
 Result<std::vector<int>> parse_classes(std::string_view text) {
   std::vector<int> classes;
   for (const auto part : split_commas(text)) {

@@ -78,7 +78,7 @@ std::string columns_in_words(const Json& columns) {
 }
 
 Result<std::string> describe_columns(const std::string& folder, bool json) {
-  BOOST_OUTCOME_TRY(source, TileSource::open(folder));
+  BOOST_OUTCOME_TRY(source, TileSource::open(folder, Periods::known));
   const Manifest& manifest = source.manifest();
   if (json) {
     const Json object{{"result", folder}, {"version", manifest.version}, {"columns", columns_to_json(manifest)}};

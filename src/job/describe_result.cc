@@ -5,6 +5,7 @@
 #include "src/job/describe.h"
 #include "src/job/describe_columns.h"
 #include "src/job/description.h"
+#include "src/result/store/period.h"
 #include "src/result/store/tile_store.h"
 #include "src/result/tile_source.h"
 
@@ -47,6 +48,7 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"bounds", {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}}},
               {"heights", heights ? Json{{"min", heights->lo}, {"max", heights->hi}} : Json()},
               {"partition", manifest.partition_kind},
+              {"period", is_periodic(manifest) ? Json(period_of(manifest).length) : Json()},
               {"points", manifest.points_read},
               // A region does not count these: what it does not need was not read.
               {"invalid", part ? Json() : Json(manifest.invalid)},
@@ -71,7 +73,7 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
 }  // namespace
 
 Result<std::string> describe_result(const std::string& folder, bool json, bool counters) {
-  BOOST_OUTCOME_TRY(source, TileSource::open(folder));
+  BOOST_OUTCOME_TRY(source, TileSource::open(folder, Periods::known));
   return written(to_json(folder, source.manifest()), json, counters);
 }
 

@@ -264,6 +264,16 @@ void add_work(Lines& lines, const Json& result) {
     lines.add("memory", figure("peak_memory_bytes", figures.at("peak_memory_bytes").get<double>()) + " at most");
 }
 
+std::string periods_in_words(const Json& period, std::size_t dimension) {
+  std::string text;
+  for (std::size_t axis = 0; axis < dimension; ++axis) {
+    const auto length = period.at(axis).get<double>();
+    text +=
+        (text.empty() ? "" : ", ") + std::string(1, "xyz"[axis]) + (length > 0 ? " " + coordinate(length) : " none");
+  }
+  return text;
+}
+
 // A daemon of an older release does not tell the number of other heights.
 std::string duplicates_text_of(const Json& result) {
   const auto others = result.find("duplicates_at_other_heights");
@@ -296,6 +306,8 @@ std::string result_text(const Json& result, bool counters) {
   lines.add("vertices", grouped(count_of(result, "vertices")));
   lines.add(dimension == 3 ? "tetrahedra" : "triangles", grouped(count_of(result, "cells")));
   lines.add("box", box_text(result.at("bounds"), dimension));
+  if (const auto period = result.find("period"); period != result.end() && !period->is_null())
+    lines.add("period", periods_in_words(*period, result.at("dimension").get<std::size_t>()));
   if (const auto heights = result.find("heights"); heights != result.end() && !heights->is_null())
     lines.add("heights", "z from " + coordinate(heights->at("min").get<double>()) + " to " +
                              coordinate(heights->at("max").get<double>()));

@@ -16,6 +16,7 @@
 #include "src/base/files/there.h"
 #include "src/base/option.h"
 #include "src/delaunay/duplicates.h"
+#include "src/input/cloud/settle_period.h"
 #include "src/job/job_report.h"
 #include "src/job/machine.h"
 #include "src/job/open_cloud.h"
@@ -112,6 +113,8 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   const double began_s = elapsed_s();
   BOOST_OUTCOME_TRY(run, routed_run(engine, options, cloud, folder, progress, stop));
   auto warnings = cloud.warnings();
+  for (auto& sentence : sentences_of_period(run.counts, run.partition.period()))
+    warnings.push_back(std::move(sentence));
   progress.map.begin(layout_of(run.partition, run.bounds), run.tile_points);
   cloud = {};  // also removes what was unpacked for it: tiles need that disk space
   const double routed_s = elapsed_s();

@@ -25,6 +25,12 @@ std::string options_key(const JobOptions& options) {
   if (!options.cloud.without.empty()) key["without"] = options.cloud.without;
   if (!options.cloud.columns.empty()) key["columns"] = options.cloud.columns;
   if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
+  if (!options.cloud.periodic.empty()) {
+    std::string text;
+    for (const double length : options.cloud.periodic) text += json_text(nlohmann::json(length)) + " ";
+    key["periodic"] = text;
+    key["periodic_snap"] = options.cloud.snap;
+  }
   if (const auto& crop = options.cloud.crop) {
     // As text, because JSON has no infinity.
     std::string text;

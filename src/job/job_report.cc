@@ -9,6 +9,7 @@
 #include "src/base/phases.h"
 #include "src/job/version.h"
 #include "src/result/store/digest.h"
+#include "src/result/store/period.h"
 
 namespace tessera {
 
@@ -30,6 +31,7 @@ Manifest manifest_of(const JobOptions& options, const RoutedCloud& run, const Ru
   manifest.partition_kind = name_of(run.partition.kind());
   manifest.boxes = run.partition.boxes();
   manifest.partition = run.partition.to_json();
+  if (run.partition.period().any()) manifest.format_version = periodic_format;
   manifest.bounds = run.bounds;
   manifest.neighbors = options.neighbors;
   manifest.schema = run.schema;

@@ -27,6 +27,7 @@
 #include "src/result/store/duplicates.h"
 #include "src/result/store/manifest.h"
 #include "src/result/store/packed_array.h"
+#include "src/result/store/period.h"
 #include "src/result/store/vtk_xml.h"
 
 namespace tessera {
@@ -126,7 +127,7 @@ Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out, const
   BOOST_OUTCOME_TRY(there, is_there(manifest_file(out)));
   if (!there) return no_manifest(out);
   BOOST_OUTCOME_TRY(lock, FolderLock::take(out, options.lock));
-  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out, options.periods));
   if (source.manifest().format_version < unchanged_format)
     return error(Errc::usage, out.string() + ": is of format version " +
                                   std::to_string(source.manifest().format_version) +
@@ -418,7 +419,7 @@ Status NewVersion::commit(std::vector<ResultColumn> columns, const VersionNote& 
                           const std::function<Status(const std::string& manifest)>& before) {
   const fs::path& out = source_.folder();
   if (!columns.empty() && written_.size() != source_.tiles()) return error(Errc::internal, "a version lacks tiles");
-  if (next_.format_version >= updated_format) {
+  if (has_lists_of_versions(next_.format_version)) {
     BOOST_OUTCOME_TRYV(bring_duplicates());
   }
   describe(std::move(columns));

@@ -46,6 +46,7 @@ struct VersionOptions {
   std::optional<std::uint32_t> keep = {};
   // The caller has the log of a result that is kept in memory (src/delaunay/live).
   bool has_log = false;
+  Periods periods = Periods::refused;  // of the result
 };
 
 // What a version says of itself in the log.

@@ -14,6 +14,7 @@
 #include "src/geometry/mesh/tile_mesh.h"
 #include "src/result/check_sum.h"
 #include "src/result/held_manifest.h"
+#include "src/result/store/period.h"
 #include "src/result/store/points_file.h"
 #include "src/tiling/tile/rebuild.h"
 
@@ -48,9 +49,16 @@ std::string difference(const Manifest& manifest, const TileEntry& entry, const S
   return {};
 }
 
+Status check_period(const fs::path& out, const Manifest& manifest, Periods periods) {
+  if (periods == Periods::known || !period_of(manifest).any()) return success();
+  return error(Errc::usage, out.string() +
+                                ": holds the triangulation of a periodic cloud, which can be verified, described, "
+                                "materialised, and read by the library, and nothing else yet");
+}
+
 }  // namespace
 
-Result<TileSource> TileSource::open(const fs::path& out) {
+Result<TileSource> TileSource::open(const fs::path& out, Periods periods) {
   const auto named = named_version(out);
   const fs::path folder = named ? named->out : out;
   if (result::is_far(folder)) {
@@ -58,21 +66,32 @@ Result<TileSource> TileSource::open(const fs::path& out) {
     if (named && named->version != manifest.version)
       return error(Errc::usage, folder.string() + ": only the newest version of a result in an object store can be " +
                                     "read, which is version " + std::to_string(manifest.version));
+    BOOST_OUTCOME_TRYV(check_period(out, manifest, periods));
+    const Period period = period_of(manifest);
     return TileSource(std::make_shared<const Inside>(
-        Inside{folder, std::move(manifest), FileHandle{}, std::make_shared<result::FarFiles>()}));
+        Inside{folder, std::move(manifest), FileHandle{}, std::make_shared<result::FarFiles>(), {}, period}));
   }
   BOOST_OUTCOME_TRY(held, named ? result::hold_version(folder, named->version) : result::hold_manifest(folder));
-  return TileSource(std::make_shared<const Inside>(Inside{folder, std::move(held.manifest), std::move(held.file)}));
+  BOOST_OUTCOME_TRYV(check_period(out, held.manifest, periods));
+  const Period period = period_of(held.manifest);
+  return TileSource(
+      std::make_shared<const Inside>(Inside{folder, std::move(held.manifest), std::move(held.file), {}, {}, period}));
 }
 
 TileSource TileSource::draft(fs::path folder, Manifest manifest) {
-  return TileSource(std::make_shared<const Inside>(Inside{std::move(folder), std::move(manifest), FileHandle{}}));
+  const Period period = period_of(manifest);
+  return TileSource(
+      std::make_shared<const Inside>(Inside{std::move(folder), std::move(manifest), FileHandle{}, {}, period}));
 }
 
 TileSource TileSource::without_columns() const {
   if (manifest().columns.empty()) return *this;
-  TileSource plain(std::make_shared<const Inside>(Inside{
-      folder(), tessera::without_columns(manifest()), FileHandle{}, inside_->far, {inside_, &inside_->manifest}}));
+  TileSource plain(std::make_shared<const Inside>(Inside{folder(),
+                                                         tessera::without_columns(manifest()),
+                                                         FileHandle{},
+                                                         inside_->far,
+                                                         {inside_, &inside_->manifest},
+                                                         period()}));
   plain.stop_ = stop_;
   return plain;
 }
@@ -184,7 +203,17 @@ Result<PointsTile> TileSource::read_points_with_columns(std::size_t i, const Poi
                                                       : nullptr;
   if (found != nullptr) return error(Errc::corrupt, file(i).string() + ": " + found);
   BOOST_OUTCOME_TRY(whole_file, open_file(i));
-  return read_points_file(std::move(whole_file), tile.tile, fields);
+  BOOST_OUTCOME_TRY(points, read_points_file(std::move(whole_file), tile.tile, fields));
+  for (std::size_t k = 0; k < points.ids.size(); ++k) {
+    const std::uint32_t code = offset_code(points.ids[k]);
+    if (code != offset_code(points.owners[k]) || !has_offset(code) || (k < points.own && code != 0))
+      return error(Errc::corrupt, file(i).string() + ": a source index is too large");
+  }
+  return std::move(points);
+}
+
+bool TileSource::has_offset(std::uint32_t code) const {
+  return code < image::codes && period().allows(image::offset(code));
 }
 
 // In the file, foreign vertices are in the order that suits a kernel; in the mesh they are sorted by id.
@@ -222,11 +251,15 @@ Result<StoredTile> TileSource::read_points(std::size_t i, const TileFields& fiel
   mesh.dimension = tile.dimension;
   mesh.point_ghost.assign(n, 1);
   std::fill_n(mesh.point_ghost.begin(), own, std::uint8_t{0});
+  bool images = false;
   for (const std::uint32_t k : from) {
     mesh.points.push_back(tile.points[k]);
-    mesh.ids.push_back(tile.ids[k]);
-    mesh.owners.push_back(tile.owners[k]);
+    mesh.ids.push_back(plain(tile.ids[k]));
+    mesh.owners.push_back(plain(tile.owners[k]));
+    mesh.offsets.push_back(static_cast<std::uint8_t>(offset_code(tile.ids[k])));
+    images |= mesh.offsets.back() != 0;
   }
+  if (!images) mesh.offsets.clear();
   return stored;
 }
 
@@ -240,6 +273,9 @@ Result<StoredTile> TileSource::read(std::size_t i, const TileFields& fields) con
   if (bytes != entry(i).bytes)
     return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but the manifest says " +
                                     std::to_string(entry(i).bytes));
+  for (const std::uint8_t code : tile.mesh.offsets) {
+    if (!has_offset(code)) return error(Errc::corrupt, path.string() + ": has images along an axis without a period");
+  }
   if (const auto found = difference(whole(), entry(i), tile, fields.cells); !found.empty())
     return error(Errc::corrupt, path.string() + ": " + found);
   if (inside_->whole) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "src/base/files/descriptor.h"
+#include "src/base/image.h"
 #include "src/base/result.h"
 #include "src/result/far_files.h"
 #include "src/result/store/data_file.h"
@@ -20,6 +22,10 @@
 
 namespace tessera {
 
+// Results of periodic clouds have cells with vertices that are images, and points that are several vertices of a tile.
+// Code that does not know of this refuses such results.
+enum class Periods : std::uint8_t { refused, known };
+
 // Reads the tiles of one version of a result, as its manifest lists them. Cheap to copy, and safe to use from several
 // threads. While a copy exists, no writer removes the files of this version. A result may be far, in an object store or
 // behind HTTP: then files are fetched when they are needed, and the folder is the name of a place there. Of a far
@@ -27,8 +33,9 @@ namespace tessera {
 class TileSource {
  public:
   // Opens the newest version, or the one that the path names (named_version()). Reads only the manifest. Errors: those
-  // of read_manifest() and read_far_manifest(); usage, with the versions that can be read, when the named one cannot.
-  static Result<TileSource> open(const std::filesystem::path& out);
+  // of read_manifest() and read_far_manifest(); usage, with the versions that can be read, when the named one cannot,
+  // and for a periodic result that is refused.
+  static Result<TileSource> open(const std::filesystem::path& out, Periods periods = Periods::refused);
 
   // Tiles of a result that is being made. REQUIRES: the files are in the folder as in a finished result.
   static TileSource draft(std::filesystem::path folder, Manifest manifest);
@@ -43,6 +50,8 @@ class TileSource {
   const std::filesystem::path& folder() const { return inside_->folder; }
   bool is_far() const { return inside_->far != nullptr; }
   const Manifest& manifest() const { return inside_->manifest; }
+  // The period of the result.
+  const Period& period() const { return inside_->period; }
   // The number of tiles that have points. They are numbered from 0, in the order of their ids.
   std::size_t tiles() const { return manifest().tiles.size(); }
   const TileEntry& entry(std::size_t i) const { return manifest().tiles[i]; }
@@ -75,6 +84,8 @@ class TileSource {
   Result<DataFile> open_file(std::size_t i) const;
   Result<StoredTile> read_points(std::size_t i, const TileFields& fields) const;
   Result<PointsTile> read_points_with_columns(std::size_t i, const PointsFields& fields) const;
+  // Whether a vertex can have an offset of this code.
+  bool has_offset(std::uint32_t code) const;
   // The manifest with the columns that the files have.
   const Manifest& whole() const { return inside_->whole ? *inside_->whole : inside_->manifest; }
   struct Inside {
@@ -83,6 +94,7 @@ class TileSource {
     FileHandle held;                             // held_manifest.h
     std::shared_ptr<result::FarFiles> far = {};  // null: the result is in a folder
     std::shared_ptr<const Manifest> whole = {};  // null: all columns are in `manifest`
+    Period period = {};
   };
   explicit TileSource(std::shared_ptr<const Inside> inside) : inside_(std::move(inside)) {}
   std::shared_ptr<const Inside> inside_;

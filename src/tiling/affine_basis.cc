@@ -4,6 +4,12 @@
 
 namespace tessera {
 
+AffineBasis::AffineBasis(int dimension, const Period& period) : dimension_(dimension) {
+  for (int axis = 0; axis < dimension; ++axis) {
+    if (!period.along(axis)) axes_.push_back(axis);
+  }
+}
+
 void AffineBasis::add(std::span<const LocalPoint> points) {
   if (points.empty()) return;
   if (span_.empty()) {
@@ -34,30 +40,55 @@ bool AffineBasis::read(FlatReader& from) {
   return from.list(span_) && span_.size() <= static_cast<std::size_t>(dimension_) + 1 && from.value(least_);
 }
 
-bool AffineBasis::extends(const Point& p) const {
+Point AffineBasis::spanned(const Point& p) const {
+  Point out;
+  for (std::size_t i = 0; i < axes_.size(); ++i) out[static_cast<int>(i)] = p[axes_[i]];
+  return out;
+}
+
+bool AffineBasis::extends(const Point& point) const {
+  const Point p = spanned(point);
+  const auto axes = static_cast<int>(axes_.size());
   // A shortcut: points that agree with the whole span on enough axes lie in its affine hull. The exact predicates would
   // say the same at a hundred times the cost. So a flat raster of 10^8 points is refused in seconds.
   int agree = 0;
-  for (int a = 0; a < dimension_; ++a) {
+  for (const int axis : axes_) {
     bool same = true;
-    for (const LocalPoint& q : span_) same = same && q.at[a] == p[a];
+    for (const LocalPoint& q : span_) same = same && q.at[axis] == point[axis];
     agree += same;
   }
-  if (dimension_ - agree <= rank()) return false;
-  const Point& a = span_[0].at;
+  if (axes - agree <= rank()) return false;
+  const auto kept = [&](std::size_t i) { return spanned(span_[i].at); };
   switch (rank()) {
     case 0:
       return true;
     case 1:
-      return dimension_ == 2 ? exact::orientation_2(a, span_[1].at, p) != 0 : !exact::collinear_3(a, span_[1].at, p);
+      return axes == 2 ? exact::orientation_2(kept(0), kept(1), p) != 0 : !exact::collinear_3(kept(0), kept(1), p);
     default:
-      return exact::orientation_3(a, span_[1].at, span_[2].at, p) != 0;
+      return exact::orientation_3(kept(0), kept(1), kept(2), p) != 0;
   }
 }
 
-std::string why_flat(std::uint64_t points, int rank, int dimension) {
+namespace {
+
+// REQUIRES: an axis has a period, and another has none.
+std::string why_flat_along(std::uint64_t points, int rank, int dimension, const Period& period) {
+  std::string axes;
+  for (int axis = 0; axis < dimension; ++axis) {
+    if (!period.along(axis)) axes += (axes.empty() ? "" : " and ") + std::string(1, "xyz"[axis]);
+  }
+  if (points == 1) return "a single point does not span " + axes + ", along which there is no period";
+  const std::string what = "the " + std::to_string(points) + " points ";
+  if (rank == 0) return what + "have the same " + axes + ", along which there is no period";
+  return what + "lie on one line of " + axes + ", along which there is no period";
+}
+
+}  // namespace
+
+std::string why_flat(std::uint64_t points, int rank, int dimension, const Period& period) {
   const std::string n = std::to_string(points), d = std::to_string(dimension);
   if (points == 0) return "there are no points";
+  if (period.any()) return why_flat_along(points, rank, dimension, period);
   if (points <= static_cast<std::uint64_t>(dimension)) {
     return "there " + std::string(points == 1 ? "is 1 point" : "are " + n + " points") + "; a " + d +
            "D triangulation needs at least " + std::to_string(dimension + 1);

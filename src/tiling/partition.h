@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/base/tile_map.h"
@@ -49,6 +50,9 @@ class Partition {
   std::uint32_t tiles() const { return static_cast<std::uint32_t>(boxes_.size()); }
   const std::vector<Box>& boxes() const { return boxes_; }
   const std::vector<SplitNode>& splits() const { return nodes_; }  // empty with one tile, and with `random`
+  // The period of the space that is cut into tiles. The outer boxes are unbounded all the same.
+  const Period& period() const { return period_; }
+  void set_period(const Period& period) { period_ = period; }
   TileId tile_of(const Point& p) const {
     return kind_ == PartitionKind::random ? hashed_tile(p, tiles()) : leaf_of(nodes_, p);
   }
@@ -62,7 +66,7 @@ class Partition {
 
   // Returns {"kind": "kdtree", "dimension": 3, "tiles": 2, "splits": [[axis, coordinate, below, above], ...]}, where
   // `below` and `above` are the row of another split, or -1-tile. Boxes follow from the splits. Coordinates come back
-  // exactly.
+  // exactly. With a period there is {"period": [x, y, z]}, too.
   std::string to_json() const;
   static Result<Partition> from_json(const std::string& text);  // checks everything, as the text comes from a file
 
@@ -74,6 +78,7 @@ class Partition {
   int dimension_ = 3;
   std::vector<SplitNode> nodes_;  // empty with one tile, and with `random`
   std::vector<Box> boxes_;        // by tile
+  Period period_;
 };
 
 // Returns the layout that displays of progress use.

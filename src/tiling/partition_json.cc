@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "src/base/json/json_text.h"
+#include "src/base/periodic_box.h"
 #include "src/tiling/json_read.h"
 #include "src/tiling/partition.h"
 
@@ -44,6 +45,18 @@ Status check_tree(const std::vector<SplitNode>& nodes, std::uint32_t tiles) {
   return success();
 }
 
+// A period that rounds shifts would make another triangulation.
+Status read_period(const json& from, int dimension, Period& period) {
+  if (!from.is_array() || from.size() != 3) return bad("the period is not three numbers");
+  for (int axis = 0; axis < 3; ++axis) {
+    double& length = period.length[static_cast<std::size_t>(axis)];
+    if (!read_finite(from[static_cast<std::size_t>(axis)], length) || length < 0 || (axis >= dimension && length > 0) ||
+        (length > 0 && !is_period(length)))
+      return bad(std::string("the period along ") + "xyz"[axis] + " is none");
+  }
+  return period.any() ? success() : Status(bad("all periods are 0"));
+}
+
 }  // namespace
 
 std::string Partition::to_json() const {
@@ -51,8 +64,9 @@ std::string Partition::to_json() const {
   for (const SplitNode& node : nodes_) {
     splits.push_back(json::array({node.axis, node.value, node.child[0], node.child[1]}));
   }
-  return json_text(
-      json{{"kind", name_of(kind_)}, {"dimension", dimension_}, {"tiles", tiles()}, {"splits", std::move(splits)}});
+  json value{{"kind", name_of(kind_)}, {"dimension", dimension_}, {"tiles", tiles()}, {"splits", std::move(splits)}};
+  if (period_.any()) value["period"] = period_.length;
+  return json_text(value);
 }
 
 Result<Partition> Partition::from_json(const std::string& text) {
@@ -91,7 +105,13 @@ Result<Partition> Partition::from_json(const std::string& text) {
                      {static_cast<std::int32_t>(below), static_cast<std::int32_t>(above)}});
   }
   BOOST_OUTCOME_TRYV(check_tree(nodes, static_cast<std::uint32_t>(tiles)));
-  return Partition(kind.value(), static_cast<int>(dimension), std::move(nodes), static_cast<std::uint32_t>(tiles));
+  Period period;
+  if (root.contains("period")) {
+    BOOST_OUTCOME_TRYV(read_period(root["period"], static_cast<int>(dimension), period));
+  }
+  Partition partition(kind.value(), static_cast<int>(dimension), std::move(nodes), static_cast<std::uint32_t>(tiles));
+  partition.set_period(period);
+  return partition;
 }
 
 }  // namespace tessera

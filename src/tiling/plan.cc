@@ -115,6 +115,11 @@ class PlanReader {
         !read_unsigned(at(counts, "filtered"), run_.counts.filtered)) {
       return bad("counts are not three numbers");
     }
+    if (run_.partition.period().any() &&
+        (!read_unsigned(at(counts, "moved"), run_.counts.moved) || run_.counts.moved > run_.counts.read ||
+         !read_finite(at(counts, "snapped"), run_.counts.snapped) || run_.counts.snapped < 0)) {
+      return bad("counts do not say how points were moved into the periodic box");
+    }
     const json& tiles = at(root_, "tiles");
     if (!tiles.is_array() || tiles.size() != run_.partition.tiles()) return bad("does not list every tile once");
     std::uint64_t sum = 0;
@@ -181,7 +186,8 @@ class PlanReader {
       seed.point.tile = run_.partition.tile_of(seed.point.at);
       run_.seeds.push_back(seed);
     }
-    if (everywhere <= static_cast<std::size_t>(run_.dimension)) return bad("has too few seeds that all tiles know");
+    if (everywhere <= static_cast<std::size_t>(run_.partition.period().open_axes(run_.dimension)))
+      return bad("has too few seeds that all tiles know");
     return success();
   }
 
@@ -318,6 +324,10 @@ Result<std::uint64_t> write_plan(const RoutedCloud& run) {
             {"inputs", std::move(inputs)},
             {"crs", run.crs},
             {"options_key", run.options_key}};
+  if (run.partition.period().any()) {
+    plan["counts"]["moved"] = run.counts.moved;
+    plan["counts"]["snapped"] = run.counts.snapped;
+  }
   if (run.keep != DuplicatePolicy::first) plan["keep"] = name_of(run.keep);
   // File names and coordinate systems need not be UTF-8; JSON must be.
   const std::string text = sealed_plan(json_text(plan));

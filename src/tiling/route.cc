@@ -14,6 +14,7 @@
 #include "src/input/cloud/cloud_sample.h"
 #include "src/input/cloud/input_splits.h"
 #include "src/input/cloud/point_filter.h"
+#include "src/input/cloud/settle_period.h"
 #include "src/tiling/budget/budget.h"
 #include "src/tiling/kept_points.h"
 #include "src/tiling/plan.h"
@@ -132,6 +133,7 @@ std::string what_there_is(const CloudCounts& counts) {
 
 // Refuses a cloud that has no triangulation.
 Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, int rank) {
+  const Period& period = cloud.options().period;
   const std::uint64_t points = counts.read - counts.invalid - counts.filtered;
   const auto refuse = [&](const std::string& reason) { return error(Errc::bad_input, name_of(cloud) + ": " + reason); };
   if (points == 0 && counts.read > 0) {
@@ -139,9 +141,10 @@ Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, 
                   " were filtered out, " + std::to_string(counts.invalid) + " were not finite" + what_there_is(counts) +
                   (cloud.options().scans.empty() ? "" : "; scans are numbered from 0"));
   }
-  if (rank == dimension) return success();
+  if (const auto reason = why_too_large(counts, period); !reason.empty()) return refuse(reason);
+  if (rank == period.open_axes(dimension)) return success();
   const bool plane = rank == 2 && points > 3;
-  return refuse(why_flat(points, rank, dimension) + (plane ? " (try " + option("dim", "2") + ")" : ""));
+  return refuse(why_flat(points, rank, dimension, period) + (plane ? " (try " + option("dim", "2") + ")" : ""));
 }
 
 // Moves into the plan what is known of the points, once all records are where they stay.
@@ -156,7 +159,7 @@ void settle(RoutedCloud& run, RoutedPoints& routed) {
   run.checked = std::make_shared<std::vector<TileChecked>>(run.tile_points.size());
   for (const Bounds& bounds : run.tile_bounds) run.bounds.add(bounds);
   std::vector<LocalPoint> everywhere = routed.span.span();
-  everywhere.push_back(routed.span.least());
+  if (!run.partition.period().any()) everywhere.push_back(routed.span.least());  // the proof for periods needs none
   run.seeds = routed.seeds.choose(run.partition, run.tile_bounds, everywhere);
 }
 
@@ -187,12 +190,13 @@ Result<RoutedCloud> route(const Cloud& cloud, const std::filesystem::path& folde
     BOOST_OUTCOME_TRY(survey, survey_cloud(cloud, options, stop));
     progress.points_total = survey.total;
     run.partition = choose_partition(survey, run.dimension, options);
+    run.partition.set_period(cloud.options().period);
   }
   progress.tiles_total = run.partition.tiles();
 
   const std::uint64_t buffer =
       std::min(budget::route_buffer_bytes(options.memory_bytes), (points_max + 1) * TileWriter::bytes_per_point(row));
-  TileWriter writer(folder, 0, run.dimension, row, buffer);
+  TileWriter writer(folder, 0, run.dimension, row, buffer, run.partition.period());
   RoutedPoints& routed = writer.routed();
   std::vector<InputSplit> splits{cloud.whole()};
   if (router) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/point.h"
 #include "src/input/cloud/cloud.h"
 #include "src/tiling/affine_basis.h"
@@ -16,7 +17,7 @@ namespace tessera {
 
 // The account of points that were routed to tiles: where they are, their bounds, and candidates for seeds.
 struct RoutedPoints {
-  explicit RoutedPoints(int dimension) : seeds(dimension), span(dimension) {}
+  explicit RoutedPoints(int dimension, const Period& period = {}) : seeds(dimension, period), span(dimension, period) {}
 
   std::vector<ShuffleFile> bundles;
   std::vector<std::vector<Segment>> segments;  // by tile

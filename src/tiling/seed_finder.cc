@@ -30,14 +30,6 @@ constexpr std::array<int, 3> direction(int k) {
   return {at % 3 - 1, at / 3 % 3 - 1, layer};
 }
 
-bool endless(const Box& box, int k) {
-  const auto d = direction(k);
-  for (int i = 0; i < 3; ++i) {
-    if (d[i] != 0 && std::isfinite(d[i] > 0 ? box.hi[i] : box.lo[i])) return false;
-  }
-  return true;
-}
-
 // As doubles, because every point is compared in all directions.
 constexpr auto direction_vectors = [] {
   std::array<Point, directions(3)> vectors{};
@@ -65,6 +57,14 @@ double diagonal(const Bounds& b) {
 }
 
 }  // namespace
+
+bool SeedFinder::endless(const Box& box, int k) const {
+  const auto d = direction(k);
+  for (int i = 0; i < 3; ++i) {
+    if (d[i] != 0 && (period_.along(i) || std::isfinite(d[i] > 0 ? box.hi[i] : box.lo[i]))) return false;
+  }
+  return true;
+}
 
 // Of equal keys the first stays. So of equal points the one with the lowest id stays.
 void SeedFinder::add(TileId tile, const Box& box, const LocalPoint& p) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/base/flat_codec.h"
+#include "src/base/image.h"
 #include "src/base/point.h"
 #include "src/tiling/partition.h"
 
@@ -18,9 +19,11 @@ namespace tessera {
 // seeds of its subtrees. The reach of a seed comes from the largest subtree that it represents: it is proportional to
 // the size of the subtree around that subtree. So a tile knows its surroundings finely and the distant world coarsely.
 // With a balanced tree of k tiles a tile has O(log k) seeds.
+//
+// A periodic cloud has no outermost points along an axis with a period.
 class SeedFinder {
  public:
-  explicit SeedFinder(int dimension) : dimension_(dimension) {}
+  explicit SeedFinder(int dimension, const Period& period = {}) : dimension_(dimension), period_(period) {}
 
   // Adds a point of `tile`, whose box is `box`. REQUIRES: ids ascend.
   void add(TileId tile, const Box& box, const LocalPoint& p);
@@ -55,7 +58,11 @@ class SeedFinder {
   };
   Subtree merged(const Subtree& a, const Subtree& b) const;
 
+  // Whether the cloud has outermost points of the box in this direction.
+  bool endless(const Box& box, int direction) const;
+
   int dimension_;
+  Period period_;
   std::vector<Subtree> tiles_;
 };
 

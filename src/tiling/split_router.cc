@@ -39,7 +39,7 @@ Status write_split(const Cloud& cloud, const InputSplit& split, const Partition&
 Status route_split(const Cloud& cloud, const InputSplit& split, const Partition& partition, const SplitWork& work,
                    const std::stop_token& stop) {
   TileWriter writer(work.run_folder, work.attempt, partition.dimension(), row_bytes(cloud.schema()),
-                    budget::route_buffer_bytes(work.memory_bytes));
+                    budget::route_buffer_bytes(work.memory_bytes), partition.period());
   BOOST_OUTCOME_TRYV(write_split(cloud, split, partition, writer, stop, work.routed));
   return write_frame(routed_split_file(work.run_folder, work.attempt), ScratchKind::split,
                      owner_of(partition, work.attempt), to_bytes(writer.routed()));
@@ -49,7 +49,7 @@ Result<RoutedPoints> read_split(const std::filesystem::path& run_folder, std::ui
                                 const Partition& partition) {
   const auto path = routed_split_file(run_folder, attempt);
   BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::split, owner_of(partition, attempt)));
-  RoutedPoints routed(partition.dimension());
+  RoutedPoints routed(partition.dimension(), partition.period());
   if (!from_bytes(bytes, partition.tiles(), routed))
     return damaged_run(path, "is not a valid list of the points that were routed");
   return routed;

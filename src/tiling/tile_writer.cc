@@ -61,13 +61,13 @@ class Gathered {
 }  // namespace
 
 TileWriter::TileWriter(std::filesystem::path run_folder, std::uint32_t attempt, int dimension, std::size_t row_bytes,
-                       std::uint64_t buffer_bytes)
+                       std::uint64_t buffer_bytes, const Period& period)
     : folder_(std::move(run_folder)),
       attempt_(attempt),
       row_bytes_(row_bytes),
       capacity_(
           static_cast<std::size_t>(std::clamp(buffer_bytes / bytes_per_point(row_bytes), capacity_min, capacity_max))),
-      routed_(dimension) {
+      routed_(dimension, period) {
   // The memory is reserved, not touched: a small cloud uses a small part of it.
   points_.reserve(capacity_);
   rows_.reserve(capacity_ * row_bytes_);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/tiling/partition.h"
@@ -21,7 +22,7 @@ class TileWriter {
   // `attempt`: no other writer of the run has it, so no other writer has files of these names. `buffer_bytes`: memory
   // to use; it is raised to what a few thousand points need.
   TileWriter(std::filesystem::path run_folder, std::uint32_t attempt, int dimension, std::size_t row_bytes,
-             std::uint64_t buffer_bytes);
+             std::uint64_t buffer_bytes, const Period& period = {});
 
   // Bytes that a point needs in the buffer.
   static std::uint64_t bytes_per_point(std::size_t row_bytes) { return sizeof(LocalPoint) + row_bytes + 8; }

@@ -181,12 +181,18 @@ def places(here):
     here.table("places.csv", "x,y", np.array(SQUARE) + CORNER)
 
 
+def particles(here):
+    chance = np.random.default_rng(3)
+    np.save(here.folder / "particles.npy", chance.random((400, 3)) * 100)
+    here.table("world.csv", "lon,lat", chance.random((400, 2)) * (360, 170) - (180, 85))
+
+
 def nothing(here):
     pass
 
 
 PAGES = {
-    "alpha.md": ground_and_out, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "queries.md": questions,
+    "alpha.md": ground_and_out, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "periodic.md": particles, "queries.md": questions,
     "regions.md": one_file, "surfaces.md": surfaces, "terrain.md": terrain, "track.md": ground_and_out, "updates.md": updates,
     "viewer.md": ground_and_out, "volumes.md": volumes, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
     "instead-of-pdal.md": nothing, "instead-of-lastools.md": nothing, "instead-of-cgal.md": nothing, "instead-of-gmsh.md": nothing,

@@ -6,6 +6,7 @@
 
 #include "src/delaunay/duplicates.h"
 #include "src/input/cloud/cloud.h"
+#include "src/result/store/period.h"
 
 namespace tessera::testing {
 
@@ -17,7 +18,7 @@ std::string text_of(const EngineOptions& o) {
                                                         : " by_budget";
   return std::to_string(o.dimension) + "D " + name_of(o.partition) + " tiles " + std::to_string(o.tiles) + " threads " +
          std::to_string(o.threads) + keep + " memory " + std::to_string(o.memory_bytes) +
-         (o.skip_invalid ? " skip_invalid" : "");
+         (o.skip_invalid ? " skip_invalid" : "") + (o.store == StoreAs::points ? " points" : "");
 }
 
 Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const EngineOptions& options) {
@@ -25,6 +26,7 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
   CloudOptions cloud_options;
   cloud_options.dimension = options.dimension;
   cloud_options.skip_invalid = options.skip_invalid;
+  cloud_options.periodic = options.periodic;
   BOOST_OUTCOME_TRY(cloud, Cloud::open({input.string()}, cloud_options));
   const fs::path run_folder = out / ".run";
   const RouteOptions route_options{.kind = options.partition, .tiles = options.tiles};
@@ -43,7 +45,9 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
   manifest.partition_kind = name_of(options.partition);
   manifest.boxes = run.routed.partition.boxes();
   manifest.partition = run.routed.partition.to_json();
+  if (run.routed.partition.period().any()) manifest.format_version = periodic_format;
   manifest.bounds = run.routed.bounds;
+  manifest.neighbors = options.neighbors;
   manifest.schema = run.routed.schema;
   manifest.tiles = run.summary.tiles;
   manifest.points_read = run.routed.counts.read;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "actors/engine/engine.h"
 #include "src/base/result.h"
@@ -18,6 +19,7 @@ struct EngineOptions : RunOptions {
   PartitionKind partition = PartitionKind::kdtree;
   std::uint32_t tiles = 1;
   bool skip_invalid = false;
+  std::vector<double> periodic = {};  // as CloudOptions::periodic
 };
 
 // "3D kdtree tiles 7 threads 2 reduced memory 1": enough to repeat it.

@@ -3,8 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdint>
 #include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "src/tiling/affine_basis.h"
 #include "tests/tiling/clouds.h"
 
 namespace tessera {
@@ -277,6 +282,41 @@ TEST(PartitionJson, SurvivesEveryTruncation) {
   const auto cloud = make_cloud("uniform", 3, 100);
   const std::string text = Partition::build_tiles(PartitionKind::kdtree, 3, cloud, bounds_of(cloud), 7).to_json();
   for (std::size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(Partition::from_json(text.substr(0, n)));
+}
+
+TEST(Partition, KeepsItsPeriodAndRefusesOthers) {
+  Partition partition;
+  EXPECT_EQ(partition.to_json().find("period"), std::string::npos);
+  partition.set_period({{100, 0, 0.75}});
+  const std::string text = partition.to_json();
+  const auto read = Partition::from_json(text);
+  ASSERT_TRUE(read) << read.error().where;
+  EXPECT_EQ(read.value().period(), partition.period());
+  for (const char* wrong :
+       {"[100.0,0.0]", "[0.0,0.0,0.0]", "[-1.0,0.0,0.0]", "[0.1,0.0,0.0]", "[1e300,0.0,0.0]", "7", "[\"a\",0.0,0.0]"}) {
+    std::string other = text;
+    const auto at = other.find("[100.0,0.0,0.75]");
+    ASSERT_NE(at, std::string::npos) << text;
+    other.replace(at, 16, wrong);
+    EXPECT_FALSE(Partition::from_json(other)) << wrong;
+  }
+}
+
+TEST(AffineBasis, SpansTheAxesWithoutAPeriod) {
+  const auto point = [](double x, double y, double z, std::uint64_t id) { return LocalPoint{{x, y, z}, PointId{id}}; };
+  const auto rank = [](const Period& period, const std::vector<LocalPoint>& points) {
+    AffineBasis basis(3, period);
+    basis.add(points);
+    return std::pair(basis.rank(), basis.complete());
+  };
+  const std::vector<LocalPoint> one{point(1, 2, 3, 0)}, plane{point(1, 2, 3, 0), point(5, 7, 3, 1), point(9, 1, 3, 2)};
+  EXPECT_EQ(rank({{8, 8, 8}}, one), std::pair(0, true));
+  EXPECT_EQ(rank({{8, 8, 0}}, one), std::pair(0, false));
+  EXPECT_EQ(rank({{8, 8, 0}}, plane), std::pair(0, false));
+  EXPECT_EQ(rank({{8, 0, 8}}, plane), std::pair(1, true));
+  EXPECT_EQ(rank({{0, 0, 8}}, plane), std::pair(2, true));
+  EXPECT_EQ(rank({{8, 0, 0}}, plane), std::pair(1, false));
+  EXPECT_EQ(rank({}, plane), std::pair(2, false));
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ TEST(Verify, StopsWhileItComparesWithCgalAndWhileItLooksForNeighbours) {
   for (const int dimension : {2, 3}) {
     auto meshes = sample_tiles(sample_points(Shape::uniform, dimension, 6000), dimension, 1);
     std::stop_source stop;
-    AgainstCgal cgal(dimension, stop.get_token());
+    AgainstCgal cgal(dimension, {}, stop.get_token());
     cgal.add(meshes.front());
     EXPECT_TRUE(cgal.compare("out"));
     stop.request_stop();

@@ -19,6 +19,7 @@
 #include "src/base/files/temporary.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/image.h"
 #include "src/base/on_threads.h"
 #include "src/base/stopped.h"
 #include "src/delaunay/delaunay_program.h"
@@ -56,16 +57,15 @@ class PointsOfResult final : public TilePoints {
   }
 
   // The tile's file has the foreign vertices that its cells need.
-  Result<std::vector<std::byte>> rows(TileId tile, std::span<const PointId> ids,
-                                      std::span<const TileId> owners) const override {
+  Result<std::vector<std::byte>> rows(TileId, std::span<const PointId> ids, std::span<const TileId>) const override {
     const std::size_t width = row_bytes(tile_.schema);
     std::vector<std::byte> rows(ids.size() * width);
     if (width == 0) return rows;
-    std::map<PointId, std::size_t> foreign;
-    for (std::size_t i = tile_.own; i < tile_.ids.size(); ++i) foreign[tile_.ids[i]] = i;
+    std::map<PointId, std::size_t> foreign;  // all images of a point have its row
+    for (std::size_t i = tile_.own; i < tile_.ids.size(); ++i) foreign[plain(tile_.ids[i])] = i;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       std::size_t from = i;  // own vertices stay where they are
-      if (owners[i] != tile) {
+      if (i >= tile_.own) {
         const auto found = foreign.find(ids[i]);
         if (found == foreign.end())
           return error(Errc::internal, "a vertex of a tile's cells is not one of the tile's points");
@@ -105,9 +105,11 @@ class Maker {
     stage_.dimension = manifest.dimension;
     stage_.early_points = early_points_of(manifest.vertices + manifest.duplicates);
     stage_.early_unit = early_unit(manifest.dimension);
-    stage_.boxes = final_boxes(shared);
-    stage_.around = std::make_shared<const KnownFromStart>(
-        std::vector<Bounds>(shared->tiles()), std::vector<std::vector<TileId>>(shared->tiles()), std::vector<Seed>());
+    const Period& period = shared->period();
+    stage_.boxes = final_boxes(shared, period);
+    stage_.around = std::make_shared<const KnownFromStart>(std::vector<Bounds>(shared->tiles()),
+                                                           std::vector<std::vector<TileId>>(shared->tiles()),
+                                                           std::vector<Seed>(), period);
     stage_.storage = &scratch_;
     stage_.stop = stop_;
     return success();
@@ -213,7 +215,7 @@ Status make_tiles(const TileSource& source, const std::vector<std::size_t>& want
 }
 
 Result<Materialised> in_place(const fs::path& result, const MaterialiseOptions& options, const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(next, NewVersion::begin(result));
+  BOOST_OUTCOME_TRY(next, NewVersion::begin(result, {.lock = {}, .keep = {}, .periods = Periods::known}));
   const TileSource& source = next->source();
   const auto wanted = wanted_tiles(source, options.box);
   Materialised made{.folder = result, .version = next->number(), .tiles = wanted.size()};
@@ -245,7 +247,7 @@ Status copy_tile(const fs::path& from, const fs::path& to) {
 
 Result<Materialised> into_folder(const fs::path& result, const MaterialiseOptions& options,
                                  const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(source, TileSource::open(result));
+  BOOST_OUTCOME_TRY(source, TileSource::open(result, Periods::known));
   BOOST_OUTCOME_TRY(there, is_there(options.to));
   if (there) return error(Errc::usage, options.to.string() + ": exists already");
   Materialised made{.folder = options.to};
@@ -291,7 +293,7 @@ Result<Materialised> into_folder(const fs::path& result, const MaterialiseOption
 Result<Materialised> materialise(const fs::path& result, const MaterialiseOptions& options, std::stop_token stop) {
   auto made = options.to.empty() ? in_place(result, options, stop) : into_folder(result, options, stop);
   if (!made) return made.error();
-  BOOST_OUTCOME_TRY(source, TileSource::open(made.value().folder));
+  BOOST_OUTCOME_TRY(source, TileSource::open(made.value().folder, Periods::known));
   const auto& tiles = source.manifest().tiles;
   made.value().left_as_points = static_cast<std::uint64_t>(
       std::count_if(tiles.begin(), tiles.end(), [](const auto& entry) { return entry.kind == TileKind::points; }));

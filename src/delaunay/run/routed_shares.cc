@@ -124,9 +124,11 @@ std::shared_ptr<DelaunayStage> stage_of(const std::shared_ptr<const RoutedCloud>
   stage->reduce = reduce;
   stage->kind = kind;
   stage->early_unit = early_unit(run->dimension);
-  stage->boxes = final_boxes(shared(run, run->partition));
-  stage->around = std::make_shared<const KnownFromStart>(
-      shared(run, run->tile_bounds), touching_tiles(run->partition, run->tile_bounds), shared(run, run->seeds));
+  const Period& period = run->partition.period();
+  stage->boxes = final_boxes(shared(run, run->partition), period);
+  stage->around = std::make_shared<const KnownFromStart>(shared(run, run->tile_bounds),
+                                                         touching_tiles(run->partition, run->tile_bounds, period),
+                                                         shared(run, run->seeds), period);
   return stage;
 }
 

@@ -7,6 +7,7 @@
 #include "job.pb.h"
 #include "src/base/files/frame.h"
 #include "src/base/files/names.h"
+#include "src/base/periodic_box.h"
 #include "src/input/column_names.h"
 
 namespace tessera {
@@ -61,6 +62,15 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
   options.columns.assign(routing.columns().begin(), routing.columns().end());
   if (!check_columns(options.columns)) return refuse("has names of columns that cannot be read as points");
   options.resolution = routing.resolution();
+  if (routing.period_size() > 0) {
+    if (routing.period_size() != 3) return refuse("has an impossible period");
+    for (int axis = 0; axis < 3; ++axis) {
+      const double length = routing.period(axis);
+      if (length != 0 && !is_period(length)) return refuse("has an impossible period");
+      options.period.length[static_cast<std::size_t>(axis)] = length;
+    }
+  }
+  options.snap = !routing.exact();
   options.threads = threads;
   return Cloud::of(std::move(files), std::move(schema), std::move(options));
 }
@@ -120,6 +130,9 @@ Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud
   for (const std::string& flag : options.without) routing.add_without(flag);
   for (const std::string& name : options.columns) routing.add_columns(name);
   routing.set_resolution(options.resolution);
+  if (options.period.any())
+    routing.mutable_period()->Assign(options.period.length.begin(), options.period.length.end());
+  routing.set_exact(!options.snap);
   const std::string bytes = routing.SerializeAsString();
   return write_frame(routing_file(run_folder), ScratchKind::routing, {}, std::as_bytes(std::span(bytes)));
 }

@@ -44,6 +44,9 @@ JobOptions job_options(const TriangulationOptions& options) {
   job.partition = checked(parse_partition_kind(asked.partition), "partition");
   if (!asked.crop.empty()) job.cloud.crop = checked(crop_box(asked.crop, dimension == 2 ? 2 : 3), "crop");
   if (!asked.crs.empty()) job.cloud.crs = checked(parse_crs(asked.crs), "crs");
+  require(asked.periodic_snap == "yes" || asked.periodic_snap == "no",
+          option("periodic-snap") + ": '" + asked.periodic_snap + "' is neither yes nor no");
+  job.cloud.snap = asked.periodic_snap == "yes";
   job.store = checked(parse_store_as(asked.store), "store");
   job.cloud.keep = checked(parse_kept_point(asked.keep), "keep");
   job.cloud.returns = checked(parse_returns(asked.returns), "returns");

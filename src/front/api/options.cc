@@ -66,6 +66,14 @@ TriangulationOptions& TriangulationOptions::crop(std::vector<double> box) {
   impl_->crop = std::move(box);
   return *this;
 }
+TriangulationOptions& TriangulationOptions::periodic(std::vector<double> periods) {
+  impl_->job.cloud.periodic = std::move(periods);
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::periodic_snap(const std::string& snap) {
+  impl_->periodic_snap = snap;
+  return *this;
+}
 TriangulationOptions& TriangulationOptions::crs(const std::string& crs) {
   impl_->crs = crs;
   return *this;

@@ -12,7 +12,8 @@ namespace tessera {
 
 struct TriangulationOptions::Impl {
   JobOptions job;  // as the program set it; 0 threads and 0 bytes let the library choose
-  std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first", store = "auto";
+  std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first", store = "auto",
+              periodic_snap = "yes";
   remote::S3Options s3;
   std::vector<double> crop;
   std::filesystem::path folder;

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <utility>
 
+#include "src/base/image.h"
 #include "src/front/api/tile_impl.h"
 
 namespace tessera {
@@ -38,6 +39,13 @@ struct Tile::Impl {
   std::vector<std::vector<std::byte>> columns;  // the values of each attribute
   std::vector<std::vector<std::byte>> of_cells;
   std::vector<Field> attributes, cell_fields;
+  std::vector<std::int8_t> offsets;  // three a vertex
+
+  void set_offsets() {
+    for (const std::uint8_t code : mesh.offsets) {
+      for (const int periods : image::offset(code).by) offsets.push_back(static_cast<std::int8_t>(periods));
+    }
+  }
 
   void set_attributes(const std::vector<Attribute>& schema, const std::vector<std::byte>& rows) {
     const std::size_t stride = row_bytes(schema), n = mesh.points.size();
@@ -66,6 +74,7 @@ std::span<const double> Tile::points() const {
 }
 std::span<const std::uint64_t> Tile::ids() const { return numbers_of(impl_->mesh.ids); }
 std::span<const std::uint8_t> Tile::foreign() const { return impl_->mesh.point_ghost; }
+std::span<const std::int8_t> Tile::offsets() const { return impl_->offsets; }
 std::span<const std::int32_t> Tile::cells() const { return impl_->mesh.cells; }
 std::span<const std::uint8_t> Tile::ghost() const { return impl_->mesh.cell_ghost; }
 std::span<const std::int32_t> Tile::neighbors() const { return impl_->mesh.neighbors; }
@@ -76,6 +85,7 @@ Tile TileMaker::make(std::uint32_t id, StoredTile stored) {
   auto tile = std::make_shared<Tile::Impl>();
   tile->id = id;
   tile->mesh = std::move(stored.mesh);
+  tile->set_offsets();
   tile->set_attributes(stored.schema, stored.rows);
   tile->set_cell_columns(stored.cell_schema, std::move(stored.cell_columns));
   return Tile(std::move(tile));

@@ -136,7 +136,7 @@ void refuse_options_of_files(const TriangulationOptions& options) {
 }  // namespace
 
 Triangulation TriangulationMaker::open(const std::filesystem::path& path, std::optional<TemporaryFolder> temporary) {
-  auto source = value_or_throw(TileSource::open(path));
+  auto source = value_or_throw(TileSource::open(path, Periods::known));
   std::shared_ptr<const TemporaryFolder> held;
   if (temporary) held = std::make_shared<const TemporaryFolder>(std::move(*temporary));
   return Triangulation(

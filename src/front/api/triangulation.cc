@@ -19,8 +19,9 @@ namespace tessera {
 
 Triangulation Triangulation::open(const std::filesystem::path& folder) {
   return guarded([&] {
-    return Triangulation(std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), nullptr,
-                                                           named_version(folder) ? folder : std::filesystem::path()}));
+    return Triangulation(
+        std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder, Periods::known)), nullptr,
+                                          named_version(folder) ? folder : std::filesystem::path()}));
   });
 }
 
@@ -42,6 +43,7 @@ std::optional<std::uint64_t> Triangulation::duplicates_at_other_heights() const 
 std::string Triangulation::digest() const {
   return impl_->source.manifest().digest ? digest_text(*impl_->source.manifest().digest) : std::string();
 }
+std::array<double, 3> Triangulation::period() const { return impl_->source.period().length; }
 std::size_t Triangulation::tiles() const { return impl_->source.manifest().tiles.size(); }
 std::string Triangulation::crs() const { return impl_->source.manifest().crs; }
 
@@ -119,7 +121,8 @@ MeasureReport Triangulation::measure(const MeasureRequest& request) {
     options.software_version = tessera::version();
     const std::filesystem::path folder = this->folder();
     const auto measured = value_or_throw(tessera::measure(folder, options, asked.stop));
-    impl_ = std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), impl_->temporary});
+    impl_ =
+        std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder, Periods::known)), impl_->temporary});
     return MeasureReport{measured.total.value_or(0), measured.unit, measured.made, measured.note};
   });
 }

@@ -11,6 +11,7 @@
 #include "src/input/cloud/in_order.h"
 #include "src/input/cloud/inputs.h"
 #include "src/input/cloud/point_filter.h"
+#include "src/input/cloud/settle_period.h"
 #include "src/input/snapshot/snapshot_set.h"
 
 namespace tessera {
@@ -186,6 +187,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   cloud.crs_ = std::move(settled.crs);
   cloud.warnings_ = std::move(settled.warnings);
   warn_of_counting(cloud.files_, cloud.warnings_);
+  BOOST_OUTCOME_TRYV(settle_period(options, cloud.warnings_));
   cloud.options_ = std::move(options);
   return cloud;
 }
@@ -194,6 +196,7 @@ Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, Cloud
   Cloud cloud;
   BOOST_OUTCOME_TRY(reader, open_reader(share(source), {}, {.columns = options.columns}));
   BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
+  BOOST_OUTCOME_TRYV(settle_period(options, cloud.warnings_));
   BOOST_OUTCOME_TRY(schema, choose_with_heights(options, reader->info().attributes, reader->info().dimension == 3));
   cloud.files_.push_back(reader->info());
   cloud.spooled_.push_back(std::move(source));

@@ -1,6 +1,7 @@
 // Several files as one cloud, with the filters of the user.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "src/base/duplicate_policy.h"
+#include "src/base/image.h"
 #include "src/input/bytes/byte_source.h"
 #include "src/input/reader.h"
 
@@ -27,8 +29,13 @@ struct CloudOptions {
   int dimension = 3;
   DuplicatePolicy keep = DuplicatePolicy::first;  // 2D: which of the points with equal x and y is kept
   bool heights = true;                            // 2D: carry z as the attribute "z", if a file has it
-  bool skip_invalid = false;      // drop points that are not finite, and count them, instead of refusing the file
-  std::optional<Box> crop = {};   // a closed box; points outside do not belong to the cloud
+  bool skip_invalid = false;     // drop points that are not finite, and count them, instead of refusing the file
+  std::optional<Box> crop = {};  // a closed box; points outside do not belong to the cloud
+  // The periods of a periodic cloud: one for all axes, or one for each axis, 0 for none. Points are moved into the box
+  // from 0 to the periods, after all filters. Empty: the cloud has no period.
+  std::vector<double> periodic = {};
+  bool snap = true;               // round coordinates and periods whose shifts would round, instead of refusing them
+  Period period = {};             // follows from `periodic`; see settle_period()
   std::vector<int> classes = {};  // keep only these LAS classes; empty: keep all
   std::vector<std::uint32_t> scans = {};     // keep only points of these scans, the attribute "scan"; empty: keep all
   Returns returns = Returns::all;            // keep only these echoes of each pulse
@@ -66,6 +73,11 @@ struct CloudCounts {
   // other classes.
   Bounds outside = {};
   std::bitset<256> other_classes = {};
+  // Of a periodic cloud: how many points were moved by whole periods, the greatest change of a coordinate by rounding,
+  // and the bounds of the points before.
+  std::uint64_t moved = 0;
+  double snapped = 0;
+  Bounds unmoved = {};
 
   void add(const CloudCounts& more) {
     read += more.read;
@@ -73,6 +85,9 @@ struct CloudCounts {
     filtered += more.filtered;
     outside.add(more.outside);
     other_classes |= more.other_classes;
+    moved += more.moved;
+    snapped = std::max(snapped, more.snapped);
+    unmoved.add(more.unmoved);
   }
 };
 

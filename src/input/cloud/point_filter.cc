@@ -35,7 +35,7 @@ std::vector<std::pair<std::string, const char*>> filtered_by(const CloudOptions&
 }
 
 PointFilter::PointFilter(const CloudOptions& options, const std::vector<Attribute>& schema)
-    : options_(options), reader_schema_(schema), row_bytes_(row_bytes(schema)) {
+    : options_(options), reader_schema_(schema), row_bytes_(row_bytes(schema)), box_(options.period) {
   const auto offsets = row_offsets(schema);
   for (std::size_t i = 0; i < schema.size(); ++i) {
     if (schema[i].name == "z") z_at_ = offsets[i];
@@ -112,6 +112,30 @@ bool PointFilter::is_wanted(const std::byte* row, CloudCounts& counts) const {
   return std::all_of(flags_.begin(), flags_.end(), [&](const Column& flag) { return flag.value(row) == 0; });
 }
 
+std::string PointFilter::move(Point& p, CloudCounts& counts) const {
+  const Point before = p;
+  for (int axis = 0; axis < options_.dimension; ++axis) {
+    if (!options_.period.along(axis)) continue;
+    if (box_.is_far(p[axis], axis))
+      return std::string(1, "xyz"[axis]) + " is more than 10^12 periods from the box, which leaves no digits within it";
+    const auto [to, change] = box_.moved(p[axis], axis);
+    if (change > 0 && !options_.snap)
+      return std::string(1, "xyz"[axis]) + " has too many binary digits for images that are not rounded (" +
+             option("periodic-snap", "yes") + " rounds it)";
+    counts.snapped = std::max(counts.snapped, change);
+    p[axis] = to;
+  }
+  counts.unmoved.add(before);
+  // Rounding alone is less than half of the period.
+  bool moved = false;
+  for (int axis = 0; axis < options_.dimension; ++axis) {
+    moved |= options_.period.along(axis) &&
+             std::abs(p[axis] - before[axis]) > options_.period.length[static_cast<std::size_t>(axis)] / 2;
+  }
+  counts.moved += moved ? 1 : 0;
+  return "";
+}
+
 Status PointFilter::apply(const PointBatch& batch, const PointReader& reader, std::uint64_t first_id, CloudBatch& to,
                           CloudCounts& counts) const {
   const std::size_t n = batch.points.size();
@@ -119,6 +143,7 @@ Status PointFilter::apply(const PointBatch& batch, const PointReader& reader, st
   to.points.resize(before + n);
   to.rows.resize((before + n) * row_bytes_);
   std::size_t kept = before;
+  const bool periodic = options_.period.any();
   for (std::size_t i = 0; i < n; ++i) {
     const Point& p = batch.points[i];
     if (!is_valid(p)) {
@@ -140,7 +165,12 @@ Status PointFilter::apply(const PointBatch& batch, const PointReader& reader, st
       continue;
     }
     const double z = options_.dimension == 2 ? 0 : p.z;
-    to.points[kept] = {.at = without_negative_zero({p.x, p.y, z}), .id = PointId{first_id + i}};
+    Point at = without_negative_zero({p.x, p.y, z});
+    if (periodic) {
+      if (const auto reason = move(at, counts); !reason.empty())
+        return error(Errc::bad_input, reader.info().path.string() + ", " + reader.place(i) + ": " + reason);
+    }
+    to.points[kept] = {.at = at, .id = PointId{first_id + i}};
     if (row_bytes_ > 0) {
       std::byte* to_row = to.rows.data() + kept * row_bytes_;
       std::memcpy(to_row, row, row_bytes_);

@@ -1,4 +1,5 @@
-// The filters of a cloud: refuse or drop points that are not finite, keep a box and some classes, and drop z in 2D.
+// The filters of a cloud: refuse or drop points that are not finite, keep a box and some classes, drop z in 2D, and
+// move what is left into the box of a periodic cloud.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/periodic_box.h"
 #include "src/input/cloud/cloud.h"
 #include "src/input/reader.h"
 
@@ -28,11 +30,14 @@ class PointFilter {
   const std::vector<Attribute>& reader_schema() const { return reader_schema_; }
 
   // Appends the kept points of `batch` to `to` and adds to `counts`. Points get the ids first_id, first_id + 1, ...,
-  // and dropped points use up ids, too. Error bad_input at a point that is not finite, unless such points are skipped.
+  // and dropped points use up ids, too. Error bad_input at a point that is not finite, unless such points are skipped;
+  // and at a point that cannot be moved into the periodic box.
   Status apply(const PointBatch& batch, const PointReader& reader, std::uint64_t first_id, CloudBatch& to,
                CloudCounts& counts) const;
 
  private:
+  // Moves a point into the periodic box. Returns why it cannot be moved, as the end of a sentence; "" when it was.
+  std::string move(Point& p, CloudCounts& counts) const;
   bool is_valid(const Point& p) const;
   bool is_in_box(const Point& p) const;
   bool is_wanted(const std::byte* row, CloudCounts& counts) const;
@@ -52,6 +57,7 @@ class PointFilter {
   Column class_, number_, of_;       // classification, number of the return, number of returns of the pulse
   Column scan_;
   std::vector<Column> flags_;
+  PeriodicBox box_;
 };
 
 }  // namespace tessera

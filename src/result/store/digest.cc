@@ -73,25 +73,34 @@ Digest CellDigest::sum(std::span<const std::int32_t> cells, const std::uint8_t* 
 // Most cells have no image among their vertices. They are hashed as in a cloud without a period.
 template <int D>
 Digest CellDigest::sum_of_images(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const {
-  Digest sum;
   const auto image_at = [&](std::int32_t v) {
     const auto i = static_cast<std::size_t>(v);
     return std::pair(ids_[i], image::offset(offsets_[i]));
   };
+  const auto words_of = [&](std::span<const std::int32_t> cell) {
+    auto least = image_at(cell[0]);
+    for (const std::int32_t v : cell) least = std::min(least, image_at(v));
+    HashHalves sum{0, 0};
+    for (const std::int32_t v : cell) {
+      const auto [id, offset] = image_at(v);
+      const Digest word = hash<cell_seed(D)>(image_of(id, offset - least.second));
+      sum.low += word.low, sum.high += word.high;
+    }
+    return sum;
+  };
+  Digest sum;
   for (std::size_t c = 0; c < cells.size() / (D + 1); ++c) {
     if (ghost != nullptr && ghost[c] != 0) continue;
     const auto cell = cells.subspan(c * (D + 1), D + 1);
-    auto least = image_at(cell[0]);
-    for (const std::int32_t v : cell) least = std::min(least, image_at(v));
-    std::uint64_t low = 0, high = 0;
+    HashHalves words{0, 0};
+    unsigned images = 0;
     for (const std::int32_t v : cell) {
-      const auto [id, offset] = image_at(v);
-      const PointId seen = image_of(id, offset - least.second);
-      const HashHalves plain_id = of_vertex_[static_cast<std::size_t>(v)];
-      const Digest word = seen == id ? Digest{plain_id.low, plain_id.high} : hash<cell_seed(D)>(seen);
-      low += word.low, high += word.high;
+      const auto i = static_cast<std::size_t>(v);
+      images |= offsets_[i];
+      words.low += of_vertex_[i].low, words.high += of_vertex_[i].high;
     }
-    sum += Digest{folded(low ^ keys[0], high ^ keys[1]), folded(low ^ keys[2], high ^ keys[3])};
+    if (images != 0) words = words_of(cell);
+    sum += Digest{folded(words.low ^ keys[0], words.high ^ keys[1]), folded(words.low ^ keys[2], words.high ^ keys[3])};
   }
   return sum;
 }

@@ -12,6 +12,7 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/result/store/direct_writer.h"
+#include "src/result/store/period.h"
 
 namespace tessera {
 
@@ -55,18 +56,19 @@ Result<WrittenPairs> write_pairs(const fs::path& file, const fs::path& final_nam
 }  // namespace store
 
 fs::path duplicates_of(const fs::path& out, const Manifest& manifest) {
-  return manifest.format_version < updated_format ? duplicates_file(out)
-                                                  : duplicates_file(out, manifest.duplicates_xxh3);
+  return has_lists_of_versions(manifest.format_version) ? duplicates_file(out, manifest.duplicates_xxh3)
+                                                        : duplicates_file(out);
 }
 
 fs::path duplicate_rows_of(const fs::path& out, const Manifest& manifest) {
-  return manifest.format_version < updated_format ? duplicate_rows_file(out)
-                                                  : duplicate_rows_file(out, manifest.duplicate_rows_xxh3);
+  return has_lists_of_versions(manifest.format_version) ? duplicate_rows_file(out, manifest.duplicate_rows_xxh3)
+                                                        : duplicate_rows_file(out);
 }
 
 Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, const Manifest& manifest) {
   const auto path = duplicates_of(out, manifest);
-  if (manifest.format_version >= updated_format && manifest.duplicates_xxh3 == 0) return std::vector<DuplicatePair>{};
+  if (has_lists_of_versions(manifest.format_version) && manifest.duplicates_xxh3 == 0)
+    return std::vector<DuplicatePair>{};
   BOOST_OUTCOME_TRY(there, is_there(path));
   if (!there) return std::vector<DuplicatePair>{};
   BOOST_OUTCOME_TRY(bytes, read_whole(path));

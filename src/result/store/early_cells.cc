@@ -48,8 +48,9 @@ namespace store {
 // Assumes the longest numbers that a header can have.
 EarlyOffsets early_offsets(const TileHeader& header, std::uint64_t room) {
   TileHeader longest = header;
+  longest.images = true;
   longest.points = longest.cells = std::numeric_limits<std::uint32_t>::max();
-  longest.offsets.assign(header.arrays().size(), std::numeric_limits<std::int64_t>::max());
+  longest.offsets.assign(longest.arrays().size(), std::numeric_limits<std::int64_t>::max());
   const std::uint64_t bytes = room * row_of(header.dimension), table = table_bytes(block_count(bytes));
   EarlyOffsets offsets{};
   offsets.header_bytes = aligned(header_text(longest).size());

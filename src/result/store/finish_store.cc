@@ -15,6 +15,7 @@
 #include "src/result/store/duplicate_rows.h"
 #include "src/result/store/duplicates.h"
 #include "src/result/store/manifest.h"
+#include "src/result/store/period.h"
 #include "src/result/store/tile_layout.h"
 #include "src/result/store/vtk_xml.h"
 
@@ -55,7 +56,8 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
 
   const bool of_points = std::any_of(manifest.tiles.begin(), manifest.tiles.end(),
                                      [](const TileEntry& entry) { return entry.kind == TileKind::points; });
-  manifest.format_version = of_points || manifest.version > 1 ? changed_format : unchanged_format;
+  if (!is_periodic(manifest))
+    manifest.format_version = of_points || manifest.version > 1 ? changed_format : unchanged_format;
 
   const std::string master = store::master_text(manifest);
   manifest.master_xxh3 = checksum(std::as_bytes(std::span(master)));

@@ -1,6 +1,7 @@
 #include "src/result/store/manifest.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,7 +11,9 @@
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/json/json_text.h"
+#include "src/base/periodic_box.h"
 #include "src/result/store/manifest_json.h"
+#include "src/result/store/period.h"
 #include "src/result/store/tile_layout.h"
 #include "src/result/store/vtk_xml.h"
 
@@ -43,6 +46,20 @@ B to_corners(const json& value) {
   box.lo = to_point(value.at("lo"));
   box.hi = to_point(value.at("hi"));
   return box;
+}
+
+std::array<double, 3> to_period(const json& value, int dimension) {
+  std::array<double, 3> period{};
+  bool any = false;
+  for (std::size_t axis = 0; axis < period.size(); ++axis) {
+    const double length = period[axis] = value.at(axis).get<double>();
+    if (length == 0) continue;
+    if (axis >= static_cast<std::size_t>(dimension) || !is_period(length))
+      throw json::other_error::create(501, "a period is none", &value);
+    any = true;
+  }
+  if (!any) throw json::other_error::create(501, "all periods are 0", &value);
+  return period;
 }
 
 DuplicatePolicy to_kept_point(const json& value) {
@@ -132,6 +149,10 @@ std::string partition_text(const json& value, const Manifest& manifest) {
   const auto member = [&](const char* name) { return std::pair(std::string(name), value.at(name)); };
   json partition(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")});
   if (value.contains("split_above")) partition["split_above"] = to_count(value.at("split_above"));
+  if (value.contains("period") != is_periodic(manifest))
+    throw json::other_error::create(501, "only results of format " + std::to_string(periodic_format) + " have a period",
+                                    &value);
+  if (value.contains("period")) partition["period"] = to_period(value.at("period"), manifest.dimension);
   return json_text(partition);
 }
 
@@ -247,6 +268,7 @@ std::string manifest_to_text(const Manifest& manifest) {
               ",\n    \"tiles\": " + json_text(partition.at("tiles"));
     if (partition.contains("split_above"))
       result += ",\n    \"split_above\": " + json_text(partition.at("split_above"));
+    if (partition.contains("period")) result += ",\n    \"period\": " + json_text(partition.at("period"));
     result += ",\n    \"splits\": ";
     result += lines(partition.at("splits"), "    ", [](const ordered_json& split) { return split; });
   }
@@ -257,6 +279,15 @@ std::string manifest_to_text(const Manifest& manifest) {
 }
 
 }  // namespace store
+
+Period period_of(const Manifest& manifest) {
+  Period period;
+  if (!is_periodic(manifest)) return period;
+  const json partition = parse_json(manifest.partition);
+  for (std::size_t axis = 0; axis < period.length.size(); ++axis)
+    period.length[axis] = partition.at("period").at(axis).get<double>();
+  return period;
+}
 
 std::optional<HeightRange> heights_of(const Manifest& manifest) {
   std::optional<HeightRange> all;
@@ -288,9 +319,9 @@ Result<Manifest> parse_manifest(const fs::path& path, std::span<const std::byte>
     return corrupt("is damaged, or not a manifest of tessera");
   const json version = value.value("format_version", json());
   if (!version.is_number_unsigned()) return corrupt("has no format version");
-  if (version.get<std::uint64_t>() > newest_format)
+  if (version.get<std::uint64_t>() > periodic_format)
     return corrupt("is of format version " + json_text(version) + ", but this program knows version " +
-                   std::to_string(newest_format) + " and older: use a newer tessera");
+                   std::to_string(periodic_format) + " and older: use a newer tessera");
   if (version.get<std::uint64_t>() < oldest_format)
     return corrupt(
         "is of format version " + json_text(version) +

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/image.h"
 #include "src/result/store/points_blocks.h"
 #include "src/result/store/points_reader.h"
 
@@ -66,7 +67,10 @@ Result<PointsTile> parse_points_file(std::span<const std::byte> bytes, const fs:
 std::vector<std::uint32_t> by_id(std::span<const PointId> ids) {
   std::vector<std::uint32_t> order(ids.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return ids[a] < ids[b]; });
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) {
+    const PointId p = ids[a], q = ids[b];
+    return plain(p) != plain(q) ? plain(p) < plain(q) : p < q;
+  });
   return order;
 }
 

@@ -9,6 +9,7 @@
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/image.h"
 #include "src/base/stopped.h"
 #include "src/result/store/direct_writer.h"
 #include "src/result/store/early_cells.h"
@@ -44,10 +45,10 @@ Error do_not_fit() { return error(Errc::internal, "a tile's arrays do not fit to
 Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const StoreOptions& options) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   const std::size_t n = mesh.points.size(), m = mesh.cell_ghost.size();
-  const bool consistent = (mesh.dimension == 2 || mesh.dimension == 3) && mesh.ids.size() == n &&
-                          mesh.owners.size() == n && mesh.point_ghost.size() == n &&
-                          (mesh.cell_final.empty() || mesh.cell_final.size() == m) &&
-                          rows.size() == n * row_bytes(options.schema);
+  const bool consistent =
+      (mesh.dimension == 2 || mesh.dimension == 3) && mesh.ids.size() == n && mesh.owners.size() == n &&
+      mesh.point_ghost.size() == n && (mesh.cell_final.empty() || mesh.cell_final.size() == m) &&
+      (mesh.offsets.empty() || mesh.offsets.size() == n) && rows.size() == n * row_bytes(options.schema);
   if (!consistent) return do_not_fit();
   if (m * corners > std::numeric_limits<std::int32_t>::max() || n > std::numeric_limits<std::int32_t>::max())
     return error(Errc::memory, "a tile has more cells than 32-bit connectivity can hold: use smaller tiles");
@@ -65,11 +66,21 @@ class CellsOfMesh final : public CellStream {
   const TileMesh& mesh_;
 };
 
+// The offset of each vertex, three numbers each; empty when no vertex is an image.
+std::vector<std::int8_t> offsets_of(const TileMesh& mesh) {
+  std::vector<std::int8_t> offsets;
+  offsets.reserve(3 * mesh.offsets.size());
+  for (const std::uint8_t code : mesh.offsets) {
+    for (const int periods : image::offset(code).by) offsets.push_back(static_cast<std::int8_t>(periods));
+  }
+  return offsets;
+}
+
 // All arrays, in the file's order. `columns` has the values of the attributes, in the order of the schema. `digest`
 // gets the cells as they are written. The result refers to all arguments.
 std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, const CellStream& cells,
                               TileDigest& digest, const std::vector<std::vector<std::byte>>& columns,
-                              std::uint64_t early, const std::stop_token& stop) {
+                              std::span<const std::int8_t> images, std::uint64_t early, const std::stop_token& stop) {
   const std::uint8_t type = vtk_cell_type(mesh.dimension);
   const std::uint32_t tile = header.tile.value;
   std::vector<PackedArray> packed{PackedArray::plain(bytes_of(mesh.points)), PackedArray::plain(bytes_of(mesh.ids)),
@@ -77,6 +88,7 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, co
                                   PackedArray::runs(bytes_of(mesh.point_ghost), 1)};
   for (const auto& values : columns) packed.push_back(PackedArray::plain(values));
   const std::uint64_t row = 4 * (static_cast<std::uint64_t>(mesh.dimension) + 1);
+  if (header.images) packed.push_back(PackedArray::runs(std::as_bytes(images), 1));
   packed.push_back(PackedArray::streamed(
       header.cells * row,
       [&](const PackedArray::Consumer& take) {
@@ -208,14 +220,16 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
                     .final = !mesh.cell_final.empty(),
                     .neighbors = options.neighbors,
                     .schema = std::move(schema),
+                    .images = !mesh.offsets.empty(),
                     .offsets = {}};
+  const auto images = offsets_of(mesh);
   EarlyCells early;
   if (begun) {
     BOOST_OUTCOME_TRY(found, roomy(out, header, *begun, options));
     early = std::move(found);
   }
   TileDigest digest(mesh, early.cells, early.digest);
-  const auto arrays = pack(header, mesh, cells, digest, columns, early.cells, options.stop);
+  const auto arrays = pack(header, mesh, cells, digest, columns, images, early.cells, options.stop);
   const std::uint64_t header_bytes = place(header, arrays, begun ? &early : nullptr);
 
   TileEntry entry;

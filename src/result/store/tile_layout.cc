@@ -39,7 +39,7 @@ std::string storable_name(std::string_view name) {
 }  // namespace
 
 std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema,
-                                   const std::vector<Attribute>& cell_schema) {
+                                   const std::vector<Attribute>& cell_schema, bool images) {
   const auto corners = static_cast<std::uint64_t>(dimension + 1);
   std::vector<ArrayInfo> arrays{
       {Section::points, "Points", AttributeType::f64, ArrayOf::points, 3, Packing::plain},
@@ -49,6 +49,8 @@ std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, co
   };
   for (const auto& attribute : schema)
     arrays.push_back({Section::point_data, attribute.name, attribute.type, ArrayOf::points, 1, Packing::plain});
+  if (images)
+    arrays.push_back({Section::point_data, images_array, AttributeType::i8, ArrayOf::points, 3, Packing::deflated});
   arrays.push_back({Section::cells, "connectivity", AttributeType::i32, ArrayOf::corners, 1, Packing::plain});
   arrays.push_back({Section::cells, "offsets", AttributeType::i32, ArrayOf::cells, 1, Packing::deflated});
   arrays.push_back({Section::cells, "types", AttributeType::u8, ArrayOf::cells, 1, Packing::deflated});
@@ -98,7 +100,7 @@ Result<std::vector<Attribute>> stored_names(const std::vector<Attribute>& schema
 }  // namespace
 
 Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schema) {
-  return stored_names(schema, {"id", "owner", "vtkGhostType"});
+  return stored_names(schema, {"id", "owner", "vtkGhostType", images_array});
 }
 
 Result<std::vector<Attribute>> stored_cell_schema(const std::vector<Attribute>& schema) {

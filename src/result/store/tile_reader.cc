@@ -4,8 +4,10 @@
 #include "src/result/store/tile_reader.h"
 
 #include <cstring>
+#include <string>
 #include <utility>
 
+#include "src/base/image.h"
 #include "src/result/store/mesh_checks.h"
 #include "src/result/store/packed_tile.h"
 #include "src/result/store/tile_layout.h"
@@ -31,6 +33,9 @@ class TileReader {
     BOOST_OUTCOME_TRYV(file_.read_array(Section::point_data, "id", mesh.ids));
     BOOST_OUTCOME_TRYV(file_.read_array(Section::point_data, "owner", mesh.owners));
     BOOST_OUTCOME_TRYV(file_.read_array(Section::point_data, "vtkGhostType", mesh.point_ghost));
+    if (file_.header().images) {
+      BOOST_OUTCOME_TRYV(read_images(mesh));
+    }
     if (fields.cells) {
       BOOST_OUTCOME_TRYV(file_.read_array(Section::cells, "connectivity", mesh.cells));
       BOOST_OUTCOME_TRYV(file_.read_array(Section::cell_data, "vtkGhostType", mesh.cell_ghost));
@@ -45,7 +50,7 @@ class TileReader {
     BOOST_OUTCOME_TRYV(check_values(
         mesh, [this](const std::string& place, const std::string& reason) { return file_.corrupt(place, reason); }));
     for (std::size_t i = 0; i < mesh.owners.size(); ++i)
-      if ((mesh.owners[i] != tile_) != (mesh.point_ghost[i] != 0))
+      if ((mesh.owners[i] != tile_ || (!mesh.offsets.empty() && mesh.offsets[i] != 0)) != (mesh.point_ghost[i] != 0))
         return file_.corrupt("PointData/owner", "point " + std::to_string(i) + " of tile " + to_string(mesh.owners[i]) +
                                                     " has the wrong vtkGhostType");
     if (fields.cells && fields.cell_columns) {
@@ -74,6 +79,19 @@ class TileReader {
   }
 
  private:
+  Status read_images(TileMesh& mesh) const {
+    std::vector<std::int8_t> numbers;
+    BOOST_OUTCOME_TRYV(file_.read_array(Section::point_data, images_array, numbers));
+    for (std::size_t i = 0; i < numbers.size(); i += 3) {
+      const PeriodOffset offset{{numbers[i], numbers[i + 1], numbers[i + 2]}};
+      if (!offset.near())
+        return file_.corrupt(std::string("PointData/") + images_array,
+                             "point " + std::to_string(i / 3) + " lies more than one period away");
+      mesh.offsets.push_back(static_cast<std::uint8_t>(image::code(offset)));
+    }
+    return success();
+  }
+
   Status check_constant_arrays() const {
     const auto corners = static_cast<std::uint64_t>(file_.header().dimension + 1);
     std::vector<std::uint8_t> types;

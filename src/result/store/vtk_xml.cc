@@ -145,8 +145,11 @@ std::optional<TileHeader> parse_header(std::string_view text) {
     header.offsets.push_back(offset);
     const auto found = std::find(type_names.begin(), type_names.end(), type);
     if (found == type_names.end()) return std::nullopt;
-    if (point_data && header.offsets.size() > first_attribute)
+    if (point_data && name == images_array) {
+      header.images = true;
+    } else if (point_data && header.offsets.size() > first_attribute) {
       header.schema.push_back({unescaped(name), static_cast<AttributeType>(found - type_names.begin())});
+    }
     if (cell_data && name == "final") {
       header.final = true;
     } else if (cell_data && name == "neighbors") {
@@ -172,7 +175,7 @@ std::string master_text(const Manifest& manifest) {
                      " -->\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
                      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
   // Neighbours are left out: they are indices into one tile, so they are of no use here, and they are as large as the
-  // cells.
+  // cells. So are the offsets of images, which not every tile has.
   const auto arrays = tile_arrays(manifest.dimension, manifest.region && !manifest.region->complete, false,
                                   manifest.schema, cell_schema_of(manifest));
   for (const Section section : {Section::points, Section::point_data, Section::cell_data}) {

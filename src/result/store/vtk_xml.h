@@ -25,9 +25,12 @@ struct TileHeader {
   bool neighbors = true;
   std::vector<Attribute> schema;
   std::vector<Attribute> cell_schema = {};  // only in changed results
+  bool images = false;                      // only if a vertex is an image
   std::vector<std::uint64_t> offsets;       // of the arrays of tile_arrays(), counted from the end of the header
 
-  std::vector<ArrayInfo> arrays() const { return tile_arrays(dimension, final, neighbors, schema, cell_schema); }
+  std::vector<ArrayInfo> arrays() const {
+    return tile_arrays(dimension, final, neighbors, schema, cell_schema, images);
+  }
   // Bytes of an array of this tile before packing. REQUIRES: points, cells < 2^32.
   std::uint64_t bytes_of(const ArrayInfo& array) const;
 };

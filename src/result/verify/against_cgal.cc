@@ -36,6 +36,18 @@ IdSet ids_of(Handle cell, int corners) {
 
 constexpr std::uint32_t steps_a_look = 1 << 14;
 
+// Shifts images of a cell such that the one with the least id, and of its images the least, has the offset 0; and
+// sorts.
+void make_canonical(IdSet& ids, int corners) {
+  const auto end = ids.begin() + corners;
+  const auto least = std::min_element(ids.begin(), end, [](PointId a, PointId b) {
+    return plain(a) != plain(b) ? plain(a) < plain(b) : offset_of(a) < offset_of(b);
+  });
+  const PeriodOffset shift = offset_of(*least);
+  for (auto id = ids.begin(); id != end; ++id) *id = image_of(*id, offset_of(*id) - shift);
+  std::sort(ids.begin(), end);
+}
+
 // CGAL inserts a range in one call, which cannot be stopped. So the points come in batches of some tenths of a second.
 // The order is random, so that each batch is spread over all of space and the points inserted before give good hints.
 template <class Triangulation, class Place>
@@ -93,11 +105,19 @@ void AgainstCgal::add(const TileMesh& mesh) {
     points_.push_back(mesh.points[i]);
     ids_.push_back(mesh.ids[i]);
   }
+  const auto id_of = [&](std::int32_t vertex) {
+    const auto v = static_cast<std::size_t>(vertex);
+    return mesh.offsets.empty() ? mesh.ids[v] : image_of(mesh.ids[v], image::offset(mesh.offsets[v]));
+  };
   for (std::size_t c = 0; c < mesh.cell_ghost.size(); ++c) {
     if (mesh.cell_ghost[c] != 0) continue;
     IdSet ids{padding_id, padding_id, padding_id, padding_id};
-    for (std::size_t k = 0; k < corners; ++k) ids[k] = mesh.ids[static_cast<std::size_t>(mesh.cells[c * corners + k])];
-    std::sort(ids.begin(), ids.end());
+    for (std::size_t k = 0; k < corners; ++k) ids[k] = id_of(mesh.cells[c * corners + k]);
+    if (!mesh.offsets.empty()) {
+      make_canonical(ids, dimension_ + 1);
+    } else {
+      std::sort(ids.begin(), ids.end());
+    }
     cells_.push_back(ids);
   }
 }
@@ -110,13 +130,36 @@ Status AgainstCgal::compare(const std::filesystem::path& out) {
   }
 }
 
+void AgainstCgal::add_copies() {
+  const std::size_t own = points_.size();
+  for (const PeriodOffset& o : period_.offsets()) {
+    if (o == PeriodOffset{}) continue;
+    for (std::size_t i = 0; i < own; ++i) {
+      points_.push_back(period_.shifted(points_[i], o));
+      ids_.push_back(image_of(ids_[i], o));
+    }
+  }
+}
+
+void AgainstCgal::keep_one_copy(std::vector<IdSet>& cells) const {
+  const int corners = dimension_ + 1;
+  std::erase_if(cells, [&](const IdSet& ids) {
+    return std::none_of(ids.begin(), ids.begin() + corners, [](PointId id) { return offset_code(id) == 0; });
+  });
+  for (IdSet& ids : cells) make_canonical(ids, corners);
+  sort_unless_stopped(cells.begin(), cells.end(), stop_);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
 Status AgainstCgal::compare_all(const std::filesystem::path& out) {
   const auto wrong = [&](const IdSet& cell, const std::string& reason) {
     return error(Errc::not_delaunay, out.string() + ": the cell of vertices " + text_of(cell) + " " + reason);
   };
   sort_unless_stopped(cells_.begin(), cells_.end(), stop_);
+  if (period_.any()) add_copies();
   std::vector<IdSet> expected = cells_by_cgal(points_, ids_, dimension_, stop_);
   if (expected.empty()) return error(Errc::not_delaunay, out.string() + ": the vertices span no volume");
+  if (period_.any()) keep_one_copy(expected);
   sort_unless_stopped(expected.begin(), expected.end(), stop_);
   const auto [got, want] = std::mismatch(cells_.begin(), cells_.end(), expected.begin(), expected.end());
   if (got == cells_.end() && want == expected.end()) return success();

@@ -1,4 +1,5 @@
-// Compares a result with CGAL's triangulation of all vertices, in memory: slow, but independent.
+// Compares a result with CGAL's triangulation of all vertices, in memory: slow, but independent. Of a periodic result
+// CGAL triangulates three copies along each axis with a period (docs/periodic-design.md says why that is enough).
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/geometry/mesh/tile_mesh.h"
@@ -16,7 +18,8 @@ namespace tessera {
 
 class AgainstCgal {
  public:
-  AgainstCgal(int dimension, std::stop_token stop) : dimension_(dimension), stop_(std::move(stop)) {}
+  AgainstCgal(int dimension, const Period& period, std::stop_token stop)
+      : dimension_(dimension), period_(period), stop_(std::move(stop)) {}
   // Adds the tile's own vertices and main cells.
   void add(const TileMesh& mesh);
   // Triangulates and compares the sets of cells. Errors: not_delaunay, with the first cell that only one of the two
@@ -26,7 +29,12 @@ class AgainstCgal {
  private:
   Status compare_all(const std::filesystem::path& out);  // throws Stopped
 
+  void add_copies();  // of the points
+  // Leaves each cell that has a point itself, up to shifts.
+  void keep_one_copy(std::vector<IdSet>& cells) const;
+
   int dimension_;
+  Period period_;
   std::stop_token stop_;
   std::vector<Point> points_;  // in the order of the tiles, which is along Hilbert curves
   std::vector<PointId> ids_;   // of points_

@@ -6,12 +6,14 @@
 #include <span>
 #include <string>
 
+#include "src/base/image.h"
 #include "src/base/result.h"
 #include "src/result/tile_source.h"
 
 namespace tessera {
 
-// The ids of up to 4 vertices, sorted; unused entries are padding_id.
+// The ids of up to 4 vertices, sorted; unused entries are padding_id. In a periodic result these are images
+// (src/base/image.h), shifted such that the one with the least id, and of its images the least, has the offset 0.
 using IdSet = std::array<PointId, 4>;
 inline constexpr PointId padding_id{~std::uint64_t{0}};
 
@@ -20,10 +22,18 @@ struct CellRef {
   std::uint32_t cell = 0;  // index in the tile file
 };
 
+// "12", or of an image "12[0 -1 0]".
+inline std::string text_of(PointId id) {
+  if (offset_code(id) == 0 || offset_code(id) >= image::codes) return to_string(id);
+  const auto by = offset_of(id).by;
+  return to_string(plain(id)) + "[" + std::to_string(by[0]) + " " + std::to_string(by[1]) + " " +
+         std::to_string(by[2]) + "]";
+}
+
 inline std::string text_of(const IdSet& ids) {
   std::string text;
   for (const auto id : ids)
-    if (id != padding_id) text += (text.empty() ? "" : " ") + to_string(id);
+    if (id != padding_id) text += (text.empty() ? "" : " ") + text_of(id);
   return text;
 }
 

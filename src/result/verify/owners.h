@@ -23,6 +23,7 @@ class Owners {
 
  private:
   std::optional<Partition> partition_;
+  Period period_;
   std::optional<Error> wrong_;
 };
 

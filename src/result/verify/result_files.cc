@@ -20,6 +20,7 @@
 #include "src/result/old_versions.h"
 #include "src/result/store/duplicate_rows.h"
 #include "src/result/store/manifest.h"
+#include "src/result/store/period.h"
 #include "src/result/store/vtk_xml.h"
 
 namespace tessera {
@@ -96,7 +97,7 @@ Status check_listed(const TileSource& source, const Manifest& current) {
 Status check_duplicate_rows(const fs::path& out, const Manifest& manifest) {
   const auto file = duplicate_rows_of(out, manifest);
   if (manifest.duplicate_rows_xxh3 == 0) {
-    if (manifest.format_version >= updated_format) return success();  // the file may be of another version
+    if (has_lists_of_versions(manifest.format_version)) return success();  // the file may be of another version
     BOOST_OUTCOME_TRY(there, is_there(file));
     return there ? corrupt(file, "has no checksum in the manifest") : Status(success());
   }
@@ -133,7 +134,7 @@ Status check_files(const TileSource& source) {
   if (manifest.duplicates_xxh3 != 0) {
     BOOST_OUTCOME_TRYV(
         check_sum(duplicates_of(out, manifest), manifest.duplicates_xxh3, data_sum_of(manifest.format_version)));
-  } else if (manifest.format_version < updated_format) {  // later, the file may be of another version
+  } else if (!has_lists_of_versions(manifest.format_version)) {  // later, the file may be of another version
     const auto duplicates = duplicates_file(out);
     BOOST_OUTCOME_TRY(there, is_there(duplicates));
     if (there) return corrupt(duplicates, "has no checksum in the manifest");

@@ -8,6 +8,10 @@
 // are positively oriented, so they cover each point as often as the hull winds around it, which is once (hull.h). So M
 // is a triangulation of the convex hull, in which exactly two cells share each inner facet. Each pair is locally
 // Delaunay with the tie rule. So by the Delaunay lemma M is the perturbed Delaunay triangulation.
+//
+// In a periodic result all of this holds for images of tiles, vertices, facets and cells. A vertex is the own one of a
+// tile only where its offset is 0. A tile has one copy of a cell for each of its points in the cell that has an offset
+// of its own, and a facet is judged where the facet's least vertex is an own one. periodic_space.h replaces hull.h.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +22,7 @@
 #include "src/result/tile_source.h"
 #include "src/result/verify/cell_copies.h"
 #include "src/result/verify/hull.h"
+#include "src/result/verify/periodic_space.h"
 #include "src/result/verify/vertex_ids.h"
 
 namespace tessera {
@@ -29,9 +34,13 @@ struct FacetClaim {
   IdSet ids;
   TileId tile;
   std::uint32_t cell;
-  Claim claim;  // on_hull: not said, but found by the tile that judges the facet
+  Claim claim;            // on_hull: not said, but found by the tile that judges the facet
+  std::uint8_t copy = 0;  // the offset by which `ids` were shifted, as a code: which copy of the facet it is
   friend bool operator<(const FacetClaim& a, const FacetClaim& b) {
-    return a.ids != b.ids ? a.ids < b.ids : a.claim != b.claim ? a.claim < b.claim : a.tile < b.tile;
+    return a.ids != b.ids       ? a.ids < b.ids
+           : a.claim != b.claim ? a.claim < b.claim
+           : a.tile != b.tile   ? a.tile < b.tile
+                                : a.copy < b.copy;
   }
 };
 
@@ -40,6 +49,7 @@ struct TileSinks {
   ExternalSort<OwnVertex>& own;
   ExternalSort<FacetClaim>& claims;
   Hull& hull;
+  PeriodicSpace* space;      // null: the result has no period
   std::uint64_t facets = 0;  // judged so far
 };
 

@@ -6,12 +6,14 @@
 
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
+#include "src/result/store/period.h"
 #include "src/result/verify/against_cgal.h"
 #include "src/result/verify/boxes.h"
 #include "src/result/verify/cell_copies.h"
 #include "src/result/verify/hull.h"
 #include "src/result/verify/match_facets.h"
 #include "src/result/verify/owners.h"
+#include "src/result/verify/periodic_space.h"
 #include "src/result/verify/result_files.h"
 #include "src/result/verify/tile_check.h"
 #include "src/result/verify/vertex_ids.h"
@@ -74,10 +76,13 @@ std::vector<std::string> proved(const Manifest& manifest) {
       "vertices = points - duplicates - rejects; every vertex is one tile's own, with the same coordinates everywhere",
       "every cell is main in exactly one tile, and present where its vertices are",
       "every cell is positively oriented",
-      manifest.neighbors ? "every facet is shared by two cells that name each other, or is on the hull"
-                         : "every facet is shared by two cells, or is on the hull",
+      period_of(manifest).any() && period_of(manifest).open_axes(manifest.dimension) == 0
+          ? "every facet is shared by two cells, up to shifts by periods"
+      : manifest.neighbors ? "every facet is shared by two cells that name each other, or is on the hull"
+                           : "every facet is shared by two cells, or is on the hull",
       "every facet inside is locally Delaunay, exactly, with the perturbation's tie rule",
-      "the hull is closed, convex and encloses its interior exactly once",
+      is_periodic(manifest) ? "the cells fill the periodic space exactly once: their volumes add up to that of a period"
+                            : "the hull is closed, convex and encloses its interior exactly once",
       "the tiles' boxes cover space without overlap, and each vertex is of the tile that the partition gives it to; "
       "the bounds are the vertices'"};
   if (manifest.digest) lines.push_back("the digest " + digest_text(*manifest.digest));
@@ -87,7 +92,7 @@ std::vector<std::string> proved(const Manifest& manifest) {
 }  // namespace
 
 Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, std::stop_token stop) {
-  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out, Periods::known));
   const Manifest& manifest = source.manifest();
   if (manifest.region)
     return error(Errc::usage, out.string() +
@@ -104,12 +109,14 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   ExternalSort<OwnVertex> own(scratch, share, stop);
   ExternalSort<FacetClaim> claims(scratch, share, stop);
   Hull hull(manifest.dimension, source, scratch, share, stop);
+  std::optional<PeriodicSpace> space;
+  if (is_periodic(manifest)) space.emplace(manifest.dimension, source.period(), source, scratch, share, stop);
   std::optional<AgainstCgal> cgal;
-  if (options.against_cgal) cgal.emplace(manifest.dimension, stop);
+  if (options.against_cgal) cgal.emplace(manifest.dimension, source.period(), stop);
 
   Contents contents;
   Owners owners(manifest);
-  TileSinks sinks{copies, own, claims, hull};
+  TileSinks sinks{copies, own, claims, hull, space ? &*space : nullptr};
   for (std::size_t i = 0; i < source.tiles(); ++i) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while verifying");
     const TileEntry& entry = source.entry(i);
@@ -129,7 +136,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   BOOST_OUTCOME_TRYV(check_vertex_ids(own, manifest, std::move(duplicates), source));
   BOOST_OUTCOME_TRYV(check_cell_copies(copies, manifest.dimension, source));
   BOOST_OUTCOME_TRYV(check_claims(claims, source));
-  BOOST_OUTCOME_TRYV(hull.finish());
+  BOOST_OUTCOME_TRYV(space ? space->finish() : hull.finish());
   if (report.cells != manifest.cells)
     return error(Errc::not_delaunay, manifest_file(out).string() + ": counts " + std::to_string(manifest.cells) +
                                          " cells, but the tiles have " + std::to_string(report.cells) + " main cells");
@@ -138,7 +145,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   BOOST_OUTCOME_TRYV(owners.finish());
   BOOST_OUTCOME_TRYV(check_contents(contents, source));
   report.facets = sinks.facets;
-  report.hull_facets = hull.facets();
+  report.hull_facets = space ? space->hull_facets() : hull.facets();
 
   report.passed = proved(manifest);
   if (cgal) {

@@ -111,6 +111,9 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
     if (!keep) return refuse("keep", keep.error().where);
     cloud.keep = keep.value();
   }
+  if (inputs.periodic_size() > 3) return refuse("periodic", "has more than three numbers");
+  cloud.periodic.assign(inputs.periodic().begin(), inputs.periodic().end());
+  if (inputs.has_periodic_snap()) cloud.snap = inputs.periodic_snap();
   if (inputs.has_heights()) cloud.heights = inputs.heights();
   if (inputs.has_skip_invalid()) cloud.skip_invalid = inputs.skip_invalid();
   if (inputs.has_recursive()) cloud.recursive = inputs.recursive();

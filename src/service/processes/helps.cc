@@ -46,6 +46,11 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "highest."},
     {"heights",
      "2D: keep the heights: a result carries them as the attribute z, and files have them as the third coordinate."},
+    {"periodic",
+     "The periods of a periodic cloud: one number for all axes, or one for each, 0 for an axis without one."},
+    {"periodic_snap",
+     "Round coordinates and periods that have too many binary digits for exact images (true by default), or refuse "
+     "them."},
     {"skip_invalid", "Leave out points with NaN or infinite coordinates and count them, instead of refusing the file."},
     {"triangulation", "The name of a result."},
     {"version", "The version of the result, if it is still kept; default: the newest."},
