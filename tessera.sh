@@ -19,7 +19,7 @@ usage() {
 ./tessera.sh wheel [PYTHON...] a self-contained wheel in build/release, for Debian's Python and for those that you name
 ./tessera.sh tidy [REVISION]  clang-tidy over the sources; with a revision, over those that have changed since
 ./tessera.sh format           clang-format over the sources
-./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang, qgis, site
+./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, nightly, demo, clang, qgis, site
 TEXT
 }
 
@@ -104,7 +104,7 @@ run_tests() {
 }
 
 nightly() {
-  deploy/install-deps.sh build test qgis
+  deploy/install-deps.sh build test nightly qgis
   run_tests -R "$(nightly_tests)"
   build engine_product
   cmake --build $build_folder --target nightly

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing on Debian 12, and never removes a package:
-#   install-deps.sh [build] [test] [demo] [clang] [qgis] [site]      default: build and test
-# build: the command, the libraries; test: what the tests compare with; demo: its picture; clang: `./tessera.sh tidy`;
-# qgis: the tests of the plugin; site: the documents as a site.
+#   install-deps.sh [build] [test] [nightly] [demo] [clang] [qgis] [site]      default: build and test
+# build: the command, the libraries; test: what the tests compare with; nightly: what only the long ones need; demo: its
+# picture; clang: `./tessera.sh tidy`; qgis: the tests of the plugin; site: the documents as a site.
 # Quick and silent when nothing is missing.
 set -euo pipefail
 
@@ -32,7 +32,6 @@ test=(
   python3-h5py                              # writes snapshots
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   nginx-light                               # serves objects
-  radosgw ceph-mon ceph-osd                 # a store of objects, nightly
   systemd python3-yaml                      # judge the unit, read the manifest
   iproute2 iptables                         # networks of a test's own, that lose packets
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes
@@ -42,6 +41,7 @@ test=(
   clang-format                              # judges how sources look
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )
+nightly=(radosgw ceph-mon ceph-osd)         # a store of objects
 demo=(xvfb xauth)
 site=(mkdocs mkdocs-material python3-yaml)
 qgis=(qgis python3-qgis qgis-providers)
@@ -59,8 +59,8 @@ command -v npm >/dev/null || build+=(npm)
 packages=()
 for part in "$@"; do
   case "$part" in
-    build | test | demo | clang | qgis | site) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
-    *) echo "install-deps: '$part' is not a part; the parts are build, test, demo, clang, qgis and site" >&2; exit 2 ;;
+    build | test | nightly | demo | clang | qgis | site) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
+    *) echo "install-deps: '$part' is not a part; the parts are build, test, nightly, demo, clang, qgis and site" >&2; exit 2 ;;
   esac
 done
 

@@ -81,7 +81,7 @@ Result<TileSource> TileSource::open(const fs::path& out, Periods periods) {
 TileSource TileSource::draft(fs::path folder, Manifest manifest) {
   const Period period = period_of(manifest);
   return TileSource(
-      std::make_shared<const Inside>(Inside{std::move(folder), std::move(manifest), FileHandle{}, {}, period}));
+      std::make_shared<const Inside>(Inside{std::move(folder), std::move(manifest), FileHandle{}, {}, {}, period}));
 }
 
 TileSource TileSource::without_columns() const {

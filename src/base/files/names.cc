@@ -186,6 +186,7 @@ fs::path new_lock_folder(const fs::path& out, const std::string& owner) {
 fs::path run_folder(const fs::path& out) { return out / ".run"; }
 fs::path new_run_folder(const fs::path& out) { return out / (new_run + token_of_process()); }
 
+fs::path outcome_file(const fs::path& run) { return run / "outcome.json"; }
 fs::path plan_file(const fs::path& run) { return run / "plan.json"; }
 fs::path points_folder(const fs::path& run) { return run / "points"; }
 fs::path attributes_folder(const fs::path& run) { return run / "attributes"; }

@@ -85,6 +85,9 @@ inline constexpr int newest_format = 5, oldest_format = 2;  // the formats that 
 inline constexpr int unchanged_format = 3, changed_format = 4;
 // The format of results whose points were changed in place: each version has its own list of duplicates.
 inline constexpr int updated_format = 5;
+// The format of results of periodic clouds: one beyond those of other results, so that programs that do not know of
+// periods refuse it.
+inline constexpr int periodic_format = 6;
 std::filesystem::path manifest_file(const std::filesystem::path& out);
 std::filesystem::path master_file(const std::filesystem::path& out);
 std::filesystem::path tiles_folder(const std::filesystem::path& out);
@@ -131,6 +134,8 @@ std::filesystem::path new_run_folder(const std::filesystem::path& out);
 
 // Run folders.
 std::filesystem::path plan_file(const std::filesystem::path& run);
+// What the run has made. It is written just before the outcome gets its place, and is the last file that is removed.
+std::filesystem::path outcome_file(const std::filesystem::path& run);
 std::filesystem::path points_folder(const std::filesystem::path& run);
 std::filesystem::path attributes_folder(const std::filesystem::path& run);
 std::filesystem::path segments_file(const std::filesystem::path& run);

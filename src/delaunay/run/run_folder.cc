@@ -6,7 +6,6 @@
 
 #include "src/base/files/folder.h"
 #include "src/base/files/names.h"
-#include "src/base/files/run_outcome.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 

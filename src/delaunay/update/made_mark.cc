@@ -4,7 +4,6 @@
 
 #include "src/base/files/checksum.h"
 #include "src/base/files/names.h"
-#include "src/base/files/run_outcome.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
 #include "src/base/json/json_text.h"

@@ -7,10 +7,6 @@
 
 namespace tessera {
 
-// The format of results of periodic clouds: one beyond those of other results, so that programs that do not know of
-// periods refuse it.
-inline constexpr int periodic_format = newest_format + 1;
-
 inline bool is_periodic(const Manifest& manifest) { return manifest.format_version == periodic_format; }
 
 // Whether each version of a result of this format has a list of duplicates of its own.
