@@ -2,9 +2,13 @@
 
 #include <unistd.h>
 
+#include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <span>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -44,6 +48,22 @@ class ByEnvironment : public Objects {
   }
   Result<std::vector<std::string>> names(const std::string& name, bool recursive, std::stop_token stop) override {
     return far_objects({})->names(name, recursive, std::move(stop));
+  }
+  Status copy(const std::string& name, ObjectTaker& to, std::stop_token stop) override {
+    return far_objects({})->copy(name, to, std::move(stop));
+  }
+  Result<bool> exists(const std::string& name, std::stop_token stop) override {
+    return far_objects({})->exists(name, std::move(stop));
+  }
+  Status put(std::span<const NewObject> objects, const std::function<void(std::uint64_t)>& told,
+             std::stop_token stop) override {
+    return far_objects({})->put(objects, told, std::move(stop));
+  }
+  Status check_writable(const std::string& name, std::stop_token stop) override {
+    return far_objects({})->check_writable(name, std::move(stop));
+  }
+  Status remove(const std::string& name, std::stop_token stop) override {
+    return far_objects({})->remove(name, std::move(stop));
   }
 };
 

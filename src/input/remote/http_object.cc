@@ -233,9 +233,10 @@ Result<std::vector<std::byte>> get_http(const Url& url, Asking asking, Transfers
 }
 
 Result<bool> http_exists(const Url& url, Asking asking, Transfers& transfers, const std::stop_token& stop) {
+  const bool of_store = asking.of_store;
   HttpRequest request = request_of(url, std::move(asking), 1);
   request.range = "0-0";
-  BOOST_OUTCOME_TRY(reply, ask_following(transfers, request, url, stop));
+  BOOST_OUTCOME_TRY(reply, ask_following(transfers, request, url, of_store, stop));
   if (reply.status == 403 || reply.status == 404 || reply.status == 410) return false;
   if (reply.status == 200 || reply.status == 206 || reply.status == 416) return true;
   return *refusal(reply, url.shown);

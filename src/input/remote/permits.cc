@@ -107,9 +107,9 @@ constexpr std::array holders{
     Holder{{{0x20, 0x02}, 16}, 2},                                       // 6to4
 };
 
-using Bytes = std::array<unsigned char, 16>;
+using AddressBytes = std::array<unsigned char, 16>;
 
-bool lies_in(const Bytes& address, const Network& network) {
+bool lies_in(const AddressBytes& address, const Network& network) {
   for (unsigned bit = 0; bit < network.bits; bit += 8) {
     const unsigned left = network.bits - bit, mask = left >= 8 ? 0xff : (0xff << (8 - left)) & 0xff;
     if (((address[bit / 8] ^ network.begin[bit / 8]) & mask) != 0) return false;
@@ -117,23 +117,23 @@ bool lies_in(const Bytes& address, const Network& network) {
   return true;
 }
 
-Bytes mapped(const unsigned char* v4_address) {
-  Bytes bytes = v4(0, 0, 0, 0, 0).begin;
+AddressBytes mapped(const unsigned char* v4_address) {
+  AddressBytes bytes = v4(0, 0, 0, 0, 0).begin;
   std::copy_n(v4_address, 4, bytes.begin() + 12);
   return bytes;
 }
 
 // Addresses of IPv4 as those of IPv6. Nothing for other families.
-std::optional<Bytes> bytes_of(const sockaddr& address) {
+std::optional<AddressBytes> bytes_of(const sockaddr& address) {
   if (address.sa_family == AF_INET)
     return mapped(reinterpret_cast<const unsigned char*>(&reinterpret_cast<const sockaddr_in&>(address).sin_addr));
   if (address.sa_family != AF_INET6) return {};
-  Bytes bytes;
+  AddressBytes bytes;
   std::memcpy(bytes.data(), &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr, bytes.size());
   return bytes;
 }
 
-bool is_inward(const Bytes& address) {
+bool is_inward(const AddressBytes& address) {
   return std::any_of(inward_networks.begin(), inward_networks.end(),
                      [&](const Network& network) { return lies_in(address, network); });
 }
@@ -158,7 +158,7 @@ std::string address_number(const sockaddr& address) {
 
 bool is_number_of(const std::string& host, const sockaddr& address) {
   const auto bytes = bytes_of(address);
-  Bytes named{};
+  AddressBytes named{};
   in_addr v4_named{};
   if (::inet_pton(AF_INET, host.c_str(), &v4_named) == 1)
     named = mapped(reinterpret_cast<const unsigned char*>(&v4_named));
