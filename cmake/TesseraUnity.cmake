@@ -11,11 +11,12 @@ set(TESSERA_UNITY_ALONE "^(proto|src/geometry|src/exchange|(src/tiling|tests)/ti
 
 # Tests that have small functions of the same names as their neighbours; and what replaces the functions of memory.
 set(TESSERA_UNITY_NAMESAKES
-  tests/actors/router_test.cc tests/actors/share_account_test.cc tests/exchange/outbox_test.cc tests/exchange/outboxes_test.cc
-  tests/exchange/tile_life_test.cc tests/input/off_reader_test.cc tests/input/pcd_reader_test.cc
-  tests/input/stl_reader_test.cc tests/input/text_reader_test.cc tests/kernel/build_insert_test.cc
-  tests/memory/failing_memory.cc tests/memory/job_memory_test.cc tests/region/memory_units.cc tests/service/staging_folder_test.cc
-  tests/store/early_cells_test.cc tests/store/tile_store_test.cc tests/track/estimate_test.cc)
+  tests/actors/router_test.cc tests/actors/share_account_test.cc tests/exchange/outbox_test.cc
+  tests/exchange/outboxes_test.cc tests/exchange/tile_life_test.cc tests/input/off_reader_test.cc
+  tests/input/pcd_reader_test.cc tests/input/stl_reader_test.cc tests/input/text_reader_test.cc
+  tests/kernel/build_insert_test.cc tests/memory/failing_memory.cc tests/memory/job_memory_test.cc
+  tests/region/memory_units.cc tests/service/staging_folder_test.cc tests/store/early_cells_test.cc
+  tests/store/tile_store_test.cc tests/track/estimate_test.cc)
 
 # To be called after all targets are made.
 function(tessera_unity_builds)

@@ -71,6 +71,8 @@ class TESSERA_PUBLIC TriangulationOptions {
   // The cloud is periodic: one period for all axes, or one for each, 0 for an axis without a period. Points are moved
   // into the box that begins at 0. Empty, the default: no period.
   TriangulationOptions& periodic(std::vector<double> periods);
+  // The periods are the sides of the box that the files (snapshots of simulations) state.
+  TriangulationOptions& periodic_files(bool of_files);
   // "yes", the default: coordinates and periods with too many binary digits for exact images are rounded, by 2^-52 of
   // the period at most, with a warning. "no": they are refused.
   TriangulationOptions& periodic_snap(const std::string& snap);

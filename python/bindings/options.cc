@@ -35,6 +35,7 @@ void bind_options(py::module_& module) {
       .def("skip_invalid", setter(&Options::skip_invalid))
       .def("crop", setter(&Options::crop))
       .def("periodic", setter(&Options::periodic))
+      .def("periodic_files", setter(&Options::periodic_files))
       .def("periodic_snap", setter(&Options::periodic_snap))
       .def("crs", setter(&Options::crs))
       .def("heights", setter(&Options::heights))

@@ -24,7 +24,7 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 returns: str = "all", without: typing.Iterable[str] = (), resolution: float | None = None,
                 columns: typing.Iterable[str] = (), keep: str = "first", store: str = "auto",
                 crs: Path | None = None, heights: bool = True,
-                periodic: float | typing.Sequence[float] | None = None, periodic_snap: str = "yes",
+                periodic: float | typing.Sequence[float] | str | None = None, periodic_snap: str = "yes",
                 input_list: Path | None = None, resume: bool = False,
                 scans: typing.Iterable[int] = (), endpoint: str | None = None, profile: str | None = None,
                 anonymous: bool = False, requester_pays: bool = False) -> _tessera.Options:
@@ -50,7 +50,9 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
     options.heights(heights)
     if crop is not None:
         options.crop(exact_float64(crop, "crop").ravel().tolist())
-    if periodic is not None:
+    if isinstance(periodic, str) and periodic == "file":
+        options.periodic_files(True)
+    elif periodic is not None:
         options.periodic(exact_float64(periodic, "periodic").ravel().tolist())
     options.periodic_snap(periodic_snap)
     options.classes([positive(number + 1, "classes", 257) - 1 for number in classes])

@@ -26,7 +26,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
                 keep: str = "first", store: str = "auto", scans: typing.Iterable[int] = (),
-                periodic: float | typing.Sequence[float] | None = None, periodic_snap: str = "yes",
+                periodic: float | typing.Sequence[float] | str | None = None, periodic_snap: str = "yes",
                 endpoint: str | None = None, profile: str | None = None, anonymous: bool = False,
                 requester_pays: bool = False) -> Triangulation:
     """Computes the exact Delaunay triangulation of any number of points: in tiles, on threads, within a memory limit.
@@ -68,7 +68,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         None: what the files say.
     periodic
         The cloud is periodic: its box begins at 0, and opposite sides are the same place. One period for all axes, or
-        one for each axis, 0 for an axis without a period. See Tile.offsets.
+        one for each axis, 0 for an axis without a period; or "file": what the snapshot says. See Tile.offsets.
     periodic_snap
         "yes": rounds coordinates and periods with too many binary digits for exact images, with a warning. "no": such
         numbers are errors.

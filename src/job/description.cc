@@ -148,8 +148,9 @@ std::string file_text(const Json& file) {
     const auto files = count_of(snapshot, "files");
     std::string box;
     for (const auto& size : snapshot.at("box")) box += (box.empty() ? "" : " x ") + coordinate(size.get<double>());
+    const bool has_box = snapshot.at("box") != Json::array({0.0, 0.0, 0.0});
     lines.add("snapshot", grouped(count_of(snapshot, "points")) + " particles in " + grouped(files) +
-                              (files == 1 ? " file" : " files") + ", a box of " + box);
+                              (files == 1 ? " file" : " files") + (has_box ? ", a box of " + box : ""));
   }
   lines.add("attributes", joined(file.at("attributes")));
   if (!text_of(file, "crs").empty()) lines.add("CRS", text_of(file, "crs_name"));

@@ -25,7 +25,8 @@ std::string options_key(const JobOptions& options) {
   if (!options.cloud.without.empty()) key["without"] = options.cloud.without;
   if (!options.cloud.columns.empty()) key["columns"] = options.cloud.columns;
   if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
-  if (!options.cloud.periodic.empty()) {
+  if (options.cloud.periodic_files) key["periodic_files"] = options.cloud.snap;
+  if (!options.cloud.periodic.empty() && !options.cloud.periodic_files) {
     std::string text;
     for (const double length : options.cloud.periodic) text += json_text(nlohmann::json(length)) + " ";
     key["periodic"] = text;

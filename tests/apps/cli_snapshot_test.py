@@ -4,7 +4,7 @@ import unittest
 import h5py
 import numpy as np
 
-from cli import BAD_INPUT, CliTest
+from cli import BAD_INPUT, USAGE, CliTest
 
 
 class Snapshots(CliTest):
@@ -14,7 +14,7 @@ class Snapshots(CliTest):
         positions = []
         with h5py.File(self.folder / name, "w", libver=more.get("libver", "earliest")) as file:
             header = file.create_group("Header").attrs
-            header["NumPart_ThisFile"] = np.array(counts, more.get("counts", "u4"))
+            header["NumPart_ThisFile"] = np.array(counts, more.get("kind", "u4"))
             header["NumPart_Total"] = np.array(total or counts, "u4")
             header["NumPart_Total_HighWord"] = np.zeros(len(counts), "u4")
             header["MassTable"] = np.array([0, 0.25] + [0] * (len(counts) - 2))
@@ -49,7 +49,7 @@ class Snapshots(CliTest):
     def test_positions_and_attributes_are_those_of_the_file(self):
         for more in ({}, {"type": "f4"}, {"libver": "latest"},
                      {"options": {"compression": "gzip", "shuffle": True, "fletcher32": True, "chunks": True}},
-                     {"box": [1000.0, 1000.0, 1000.0]}, {"counts": "i8"}):
+                     {"box": [1000.0, 1000.0, 1000.0]}, {"kind": "i8"}):
             with self.subTest(**more):
                 positions = self.write("snap.hdf5", **more)
                 read = self.arrays("snap.hdf5")
@@ -68,6 +68,14 @@ class Snapshots(CliTest):
         self.assertEqual(told["snapshot"], {"files": 1, "points": 105, "box": [1000, 1000, 1000]})
         self.assertEqual(told["points"], 105)
         self.assertRegex(self.ok("info", "snap.hdf5"), r"snapshot +105 particles in 1 file, a box of 1000 x 1000 x 1000")
+
+    def test_the_box_of_the_snapshot_can_be_the_period(self):
+        self.write("snap.hdf5", box=[1000.0, 2000.0, 1500.0])
+        told = self.json_lines(self.ok("triangulate", "snap.hdf5", "-o", "a", "--periodic", "file", "--json"))[-1]
+        given = self.json_lines(self.ok("triangulate", "snap.hdf5", "-o", "b", "--periodic", "1000,2000,1500", "--json"))[-1]
+        self.assertEqual(told["digest"], given["digest"])
+        self.write("none.hdf5", box=0.0)
+        self.refused(USAGE, "triangulate", "none.hdf5", "-o", "c", "--periodic", "file", says="none.hdf5 states no box; give the periods as numbers")
 
     def test_integer_coordinates_are_scaled_by_the_box(self):
         self.write("snap.hdf5", counts=(0, 30, 0, 0, 0, 0))

@@ -29,7 +29,7 @@ class StoreServer(ObjectServer):
 
         self.server.RequestHandlerClass.do_HEAD = head
 
-    def gate(self, handler):
+    def gate(self, handler, request):
         path, _, query = handler.path.partition("?")
         query = dict(urllib.parse.parse_qsl(query))
         if "prefix" not in query:

@@ -28,7 +28,7 @@ class Hdf5(DaemonTest):
             file.create_group("Header").attrs["NumPart_ThisFile"] = np.array([0, 20], "u4")
             file["PartType1/Coordinates"] = np.random.default_rng(1).random((20, 3))
         for options, status in (((), "failed"), (("--hdf5",), "successful")):
-            daemon = self.start("--inputs", inputs, *options)
+            daemon = self.start(*options, inputs=inputs)
             code, _, told = daemon.request("POST", "/v1/processes/triangulate/execution", {"inputs": {"inputs": ["snap.hdf5"], "output": "out"}})
             self.assertEqual(code, 201, told)
             job = daemon.wait(told["jobID"])

@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import unittest
 
+import h5py
 import numpy as np
 from osgeo import ogr, osr
 
@@ -185,6 +186,11 @@ def particles(here):
     chance = np.random.default_rng(3)
     np.save(here.folder / "particles.npy", chance.random((400, 3)) * 100)
     here.table("world.csv", "lon,lat", chance.random((400, 2)) * (360, 170) - (180, 85))
+    with h5py.File(here.folder / "snap_064.hdf5", "w") as file:
+        header = file.create_group("Header").attrs
+        header["NumPart_ThisFile"] = np.array([0, 100], "u4")
+        header["BoxSize"] = 100.0
+        file["PartType1/Coordinates"] = np.random.default_rng(4).random((100, 3)) * 100
 
 
 def nothing(here):

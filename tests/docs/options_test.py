@@ -44,7 +44,7 @@ class Options(unittest.TestCase):
 
     def test_commands_are_seen_in_blocks_tables_and_sentences(self):
         text = "a `tessera dem r --res\n1` b\n\n    tessera info a | tessera query b --json     it says --no\n\n```sh\nbin/tesserad \\\n  --x 1  # --y\n```\n"
-        self.assertEqual(commands_of(text), [("tessera", "info a "), ("tessera", "query b --json"), ("tesserad", "--x 1"), ("tessera", "dem r --res 1")])
+        self.assertEqual(commands_of(text), [("tessera", "info a "), ("tessera", "query b --json"), ("tesserad", "--x 1 "), ("tessera", "dem r --res 1")])
 
     def test_commands_have_the_options_that_documents_give_them(self):
         seen = 0

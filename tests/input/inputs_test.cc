@@ -64,7 +64,7 @@ TEST_F(Inputs, OfAFolderWithoutPointFilesAreAnError) {
   EXPECT_EQ(names({.patterns = {at("block")}}),
             at("block") +
                 ": holds no point files (.las, .laz, .ply, .off, .obj, .stl, .npy, "
-                ".pcd, .e57, .ptx, .xyz, .csv, .tsv, .txt, .asc, .pts, .dat, these "
+                ".pcd, .e57, .ptx, .xyz, .csv, .tsv, .txt, .asc, .pts, .gadget, .hdf5, .h5, .tipsy, .dat, these "
                 "with .gz or .zst, and ept.json); recursive=true looks into its subfolders, too");
   EXPECT_EQ(find({.patterns = {at("block")}}).error().code, Errc::io);
   EXPECT_EQ(names({.patterns = {at("out")}}),

@@ -239,11 +239,11 @@ TEST(Manifest, AFolderWithoutOneIsToldSo) {
 
 TEST(Manifest, OneFromAFutureVersionIsRefusedInOneSentence) {
   const TemporaryFolder folder;
-  overwrite(folder.path() / "manifest.json", R"({"format": "tessera", "format_version": 6, "new": true})");
+  overwrite(folder.path() / "manifest.json", R"({"format": "tessera", "format_version": 7, "new": true})");
   const auto read = read_manifest(folder.path());
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().code, Errc::corrupt);
-  EXPECT_NE(read.error().where.find("format version 6"), std::string::npos) << read.error().where;
+  EXPECT_NE(read.error().where.find("format version 7"), std::string::npos) << read.error().where;
 }
 
 TEST(Manifest, EveryTruncationAndAbsurdValueIsCorrupt) {

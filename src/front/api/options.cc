@@ -70,6 +70,10 @@ TriangulationOptions& TriangulationOptions::periodic(std::vector<double> periods
   impl_->job.cloud.periodic = std::move(periods);
   return *this;
 }
+TriangulationOptions& TriangulationOptions::periodic_files(bool of_files) {
+  impl_->job.cloud.periodic_files = of_files;
+  return *this;
+}
 TriangulationOptions& TriangulationOptions::periodic_snap(const std::string& snap) {
   impl_->periodic_snap = snap;
   return *this;

@@ -160,7 +160,7 @@ void add_triangulate_options(Command& command) {
   add_choices(command, "store", "auto, cells, points");
   add_value(command, "periodic", "L",
             "the cloud is periodic: its box begins at 0, has the side L, and opposite sides are the same place; or "
-            "Lx,Ly,Lz (2D: Lx,Ly), 0 for an axis without a period");
+            "Lx,Ly,Lz (2D: Lx,Ly), 0 for an axis without a period; or file: as the snapshot says");
   add_value(command, "periodic-snap", "yes|no",
             "round coordinates and periods that have too many binary digits for exact images (default), by 2^-52 of "
             "the period at most, or refuse them");
@@ -179,8 +179,11 @@ Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vec
   options.job.store = store.value_or(StoreAs::by_size);
   BOOST_OUTCOME_TRY(kernel, settings.get("kernel", parse_kernel));
   options.job.kernel = kernel.value_or(KernelKind::flat);
-  BOOST_OUTCOME_TRY(periodic, settings.get("periodic", [](const std::string& text) { return parse_periods(text); }));
-  options.job.cloud.periodic = periodic.value_or(std::vector<double>{});
+  options.job.cloud.periodic_files = settings.text("periodic") == "file";
+  if (!options.job.cloud.periodic_files) {
+    BOOST_OUTCOME_TRY(periodic, settings.get("periodic", [](const std::string& text) { return parse_periods(text); }));
+    options.job.cloud.periodic = periodic.value_or(std::vector<double>{});
+  }
   BOOST_OUTCOME_TRY(snap, settings.get("periodic-snap", [](const std::string& text) { return parse_switch(text); }));
   options.job.cloud.snap = snap.value_or(true);
   BOOST_OUTCOME_TRY(output, output_options(settings));

@@ -66,8 +66,11 @@ Status read_live(const DaemonSettings& settings, service::ServiceOptions& servic
   return success();
 }
 
-Status read_remote(const apps::Settings& top, const std::function<const char*(const char*)>& get_environment,
+// What inputs may be besides files of the usual formats.
+Status read_inputs(const apps::Settings& top, const std::function<const char*(const char*)>& get_environment,
                    DaemonOptions& out) {
+  BOOST_OUTCOME_TRY(hdf5, top.on("hdf5"));
+  out.hdf5 = hdf5;
   BOOST_OUTCOME_TRY(prefixes, top.get("remote-prefix", parse_names));
   BOOST_OUTCOME_TRY(anonymous, top.on("s3-anonymous"));
   if (!prefixes || prefixes->empty()) {
@@ -202,7 +205,7 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.uploads = uploads;
   service.retention_s = retention.value_or(0);
   BOOST_OUTCOME_TRYV(read_live(settings, service));
-  BOOST_OUTCOME_TRYV(read_remote(top, get_environment, out));
+  BOOST_OUTCOME_TRYV(read_inputs(top, get_environment, out));
   BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
   service.cluster = std::move(cluster);
 
@@ -220,8 +223,6 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   server.hosts = hosts.value_or(std::vector<std::string>{});
   server.public_url = public_url.value_or("");
   server.insecure = insecure;
-  BOOST_OUTCOME_TRY(hdf5, top.on("hdf5"));
-  out.hdf5 = hdf5;
   BOOST_OUTCOME_TRY(print_token, top.on("print-token"));
   out.print_token = print_token;
   out.json_log = log.value_or("text") == "json";

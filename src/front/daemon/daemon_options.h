@@ -22,7 +22,7 @@ struct DaemonOptions {
   service::ServiceOptions service;  // with the options of the cluster, also for a process that only works for a cluster
   service::http::ServerOptions http;
   std::optional<remote::RemoteOptions> remote;  // how inputs are read by their addresses; nothing: they are not
-  bool hdf5 = false;  // inputs in HDF5 are read
+  bool hdf5 = false;                            // inputs in HDF5 are read
   bool json_log = false;
   bool print_token = false;  // print the token also if stdout is no terminal
 };

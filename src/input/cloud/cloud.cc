@@ -187,6 +187,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   cloud.crs_ = std::move(settled.crs);
   cloud.warnings_ = std::move(settled.warnings);
   warn_of_counting(cloud.files_, cloud.warnings_);
+  BOOST_OUTCOME_TRYV(take_box_of_files(cloud.files_, options));
   BOOST_OUTCOME_TRYV(settle_period(options, cloud.warnings_));
   cloud.options_ = std::move(options);
   return cloud;

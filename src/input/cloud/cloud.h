@@ -34,6 +34,7 @@ struct CloudOptions {
   // The periods of a periodic cloud: one for all axes, or one for each axis, 0 for none. Points are moved into the box
   // from 0 to the periods, after all filters. Empty: the cloud has no period.
   std::vector<double> periodic = {};
+  bool periodic_files = false;    // the periods are the sides of the box that the files state, in place of `periodic`
   bool snap = true;               // round coordinates and periods whose shifts would round, instead of refusing them
   Period period = {};             // follows from `periodic`; see settle_period()
   std::vector<int> classes = {};  // keep only these LAS classes; empty: keep all

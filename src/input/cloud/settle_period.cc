@@ -40,6 +40,21 @@ std::string why_no_period(double length) {
 
 }  // namespace
 
+Status take_box_of_files(std::span<const FileInfo> files, CloudOptions& options) {
+  if (!options.periodic_files) return success();
+  if (!options.periodic.empty())
+    return refuse("the box of the files and periods contradict each other: give one of them");
+  const Point& box = files.front().box;
+  for (const FileInfo& file : files) {
+    if (file.box == Point{}) return refuse(file.path.string() + " states no box; give the periods as numbers");
+    if (!(file.box == box))
+      return refuse(file.path.string() + " states another box than " + files.front().path.string());
+  }
+  options.periodic = {box.x, box.y};
+  if (options.dimension == 3) options.periodic.push_back(box.z);
+  return success();
+}
+
 Status settle_period(CloudOptions& options, std::vector<std::string>& warnings) {
   options.period = {};
   const std::size_t given = options.periodic.size();

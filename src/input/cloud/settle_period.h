@@ -1,6 +1,7 @@
 // The periods of a cloud, as its user gives them.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "src/input/cloud/cloud.h"
 
 namespace tessera {
+
+// Sets options.periodic to the sides of the box that the files state, if the options ask for that. Error usage for a
+// file that states none, or another one than the first.
+Status take_box_of_files(std::span<const FileInfo> files, CloudOptions& options);
 
 // Sets options.period from options.periodic. A period that would round shifts is rounded, with a warning, or refused if
 // options.snap is false. Error usage. REQUIRES: the dimension is settled.

@@ -57,6 +57,10 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
   }
 
   Status copy(const std::string& name, ObjectTaker& to, std::stop_token stop) override {
+    if (is_of_gdal(name))
+      return error(Errc::usage, printable(name) +
+                                    ": results are read from https://, http:// and s3://, not from "
+                                    "stores that GDAL reads");
     BOOST_OUTCOME_TRY(place, place_of(name));
     BOOST_OUTCOME_TRY(opened, open_http(place.url, std::move(place.asking), transfers(), piece_bytes, std::move(stop)));
     const std::uint64_t size = opened.object->size();
@@ -76,6 +80,7 @@ class RemoteObjects : public Objects, public std::enable_shared_from_this<Remote
   }
 
   Result<bool> exists(const std::string& name, std::stop_token stop) override {
+    if (is_of_gdal(name)) return false;  // no results are read from there
     BOOST_OUTCOME_TRY(place, place_of(name));
     return http_exists(place.url, std::move(place.asking), *transfers(), stop);
   }

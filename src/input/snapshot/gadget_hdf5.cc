@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "src/base/json/json_text.h"
-#include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/input/bytes/fields.h"
 #include "src/input/bytes/record_stream.h"
@@ -320,8 +319,7 @@ Result<std::unique_ptr<PointReader>> open_gadget_hdf5(std::unique_ptr<ByteSource
   if (hdf5_is_refused)
     return error(Errc::bad_input, path +
                                       ": HDF5 is not read here, because its library was not made for files of "
-                                      "strangers; the daemon's operator can allow it with " +
-                                      option("hdf5", "true"));
+                                      "strangers; the daemon's operator can allow it with the daemon's option hdf5");
   BOOST_OUTCOME_TRY(file, Hdf5File::open(*source));
   BOOST_OUTCOME_TRY(header, read_header(file, path));
   BOOST_OUTCOME_TRY(snapshot, read_snapshot(file, header, path));

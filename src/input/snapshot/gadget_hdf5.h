@@ -25,8 +25,8 @@ bool looks_like_hdf5(std::span<const std::byte> begin);
 Result<std::unique_ptr<PointReader>> open_gadget_hdf5(std::unique_ptr<ByteSource> source,
                                                       const std::vector<Attribute>& attributes);
 
-// From now on this process refuses HDF5. The library of HDF5 was not made for files of strangers: damaged ones have made
-// it read and write beyond its memory. So a service reads such files only when its operator says so.
+// From now on this process refuses HDF5. The library of HDF5 was not made for files of strangers: damaged ones have
+// made it read and write beyond its memory. So a service reads such files only when its operator says so.
 void refuse_hdf5();
 
 }  // namespace tessera::snapshot
