@@ -1,6 +1,5 @@
 #include "src/input/remote/transfers.h"
 
-#include <openssl/evp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -18,6 +17,7 @@
 #include "src/base/printable.h"
 #include "src/input/remote/curl_library.h"
 #include "src/input/remote/permits.h"
+#include "src/input/remote/sha256.h"
 #include "src/input/remote/url.h"
 
 namespace tessera::remote {
@@ -124,20 +124,10 @@ bool is_passing(CURLcode code) {
   }
 }
 
-// SHA-256 of what a request sends, in hexadecimal digits.
+// SHA-256 of what a request sends, or the word for a body without a signature of its own.
 std::string digest_of_body(const HttpRequest& request) {
-  constexpr const char* digits = "0123456789abcdef";
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned size = 0;
   const std::vector<std::byte> nothing;
-  const auto& body = request.body ? *request.body : nothing;
-  if (EVP_Digest(body.data(), body.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) return "UNSIGNED-PAYLOAD";
-  std::string text;
-  for (unsigned i = 0; i < size; ++i) {
-    text += digits[digest[i] >> 4];
-    text += digits[digest[i] & 15];
-  }
-  return text;
+  return sha256(request.body ? *request.body : nothing).value_or("UNSIGNED-PAYLOAD");
 }
 
 // The server compares what arrives with its digest, which is a part of the signature.
