@@ -415,6 +415,8 @@ def vertex_columns(tile: Tile) -> dict[str, npt.NDArray[typing.Any]]:
 def open(folder: Path, version: int | None = None) -> Triangulation:
     """Opens the triangulation in a result folder, from triangulate(folder=...) or the command `tessera triangulate`.
 
+    "s3://bucket/folder" and "https://host/folder" are results in object stores: give them as text. They are read, and
+    cannot be changed.
     `version` is the number of an older version of the result, as `tessera log` lists them; default: the newest. Raises
     IoError if there is no result, CorruptError if the result is damaged, and UsageError if the version is not kept.
     """

@@ -11,6 +11,7 @@ import threading
 import unittest
 from unittest import mock
 
+import numpy as np
 import tessera
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "apps"))
@@ -112,6 +113,17 @@ class Remote(unittest.TestCase):
             with self.assertRaisesRegex(error, says) as told:
                 tessera.triangulate(name)
             self.assertNotIn("secret", str(told.exception))
+
+    def test_results_in_stores_are_read_and_not_changed(self):
+        out = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "out"
+        here = tessera.triangulate(np.random.default_rng(1).random((3000, 3)), folder=out, max_points_per_tile=1000)
+        server = self.enterContext(ObjectServer({f"maps/r/{path.relative_to(out).as_posix()}": path.read_bytes() for path in out.rglob("*") if path.is_file()}))
+        far = tessera.open(server.url("maps/r"))
+        self.assertEqual((far.n_cells, len(far), far.verify().cells), (here.n_cells, len(here), here.n_cells))
+        self.assertTrue(np.array_equal(far[0].points, here[0].points))
+        self.assertEqual(far.locate([[.5, .5, .5]]).vertices.tolist(), here.locate([[.5, .5, .5]]).vertices.tolist())
+        with self.assertRaisesRegex(tessera.UsageError, "a result in an object store cannot be changed there"):
+            far.measure(volume=True)
 
     def test_a_forked_child_reads_for_itself(self):
         server = self.serve(*FILES)
