@@ -1,6 +1,7 @@
 """Closed surfaces and tracks by the command: in one step and in two, of any tiles, refused and interrupted."""
 import collections
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -41,6 +42,14 @@ class Surface(CliTest):
         self.assertEqual(by_track[0]["digest"], by_track[1]["digest"])
         self.assertIn("by the track", by_track[0]["sensors"])
         self.assertNotEqual(self.told("out0", "-o", "above.ply", "--sensor", "vertical")["digest"], one["digest"])
+
+    def test_its_files_for_vtk_name_each_array_once(self):
+        self.ok("triangulate", f"{IGN}/ign_77050_627755.las", "-o", "block", "--crop", "770500,6277500,770515,6277515", "--attributes", "all", "--quiet")
+        self.ok("surface", "block", "-o", "tiles/", "--format", "vtu", "--quiet")
+        for file in (self.folder / "tiles").glob("*.vtu"):
+            names = re.findall(rb'Name="([^"]+)"', file.read_bytes().split(b"<AppendedData")[0])
+            self.assertIn(b"longest_edge", names)
+            self.assertEqual(len(names), len(set(names)))
 
     def test_scan_angles_tell_where_the_sensor_was(self):
         cloud = CLOUDS / "autzen_trim.laz"

@@ -118,12 +118,13 @@ struct Corners {
   const Rows& rows;
 };
 
-// Values of cells in addition to the result's columns: ExportOptions::longest_edges.
+// Values of cells in addition to the result's columns: ExportOptions::longest_edges. Formats with edge_lengths write
+// the longest edge by themselves.
 class Facts {
  public:
   explicit Facts(const MeshSource& source)
-      : edge_(source.options.longest_edges && source.format.cell_columns),
-        tile_(edge_ && source.format.tile_as_column) {}
+      : edge_(source.options.longest_edges && source.format.cell_columns && !source.format.edge_lengths),
+        tile_(source.options.longest_edges && source.format.cell_columns && source.format.tile_as_column) {}
   void declare(std::vector<Attribute>& columns) const {
     if (edge_) columns.push_back({"longest_edge", AttributeType::f64});
     if (tile_) columns.push_back({"tile", AttributeType::u32});
@@ -132,7 +133,6 @@ class Facts {
     if (edge_) cell.values.push_back(reinterpret_cast<const std::byte*>(&length_));
     if (tile_) cell.values.push_back(reinterpret_cast<const std::byte*>(&cell.tile));
   }
-  bool any() const { return edge_; }
   // Looks at a cell whose vertices have their heights.
   void look_at(const TileMesh& mesh, std::size_t cell) {
     if (edge_) length_ = longest_edge_in_space(mesh, cell);
@@ -166,7 +166,8 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf
   facts.add_to(cell);
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
     if (!source.filter.keeps(mesh, i)) continue;
-    if (source.format.edge_lengths) cell.longest_edge = longest_edge(mesh, i);
+    if (source.format.edge_lengths)
+      cell.longest_edge = source.options.longest_edges ? longest_edge_in_space(mesh, i) : longest_edge(mesh, i);
     cell.tile = tile_of(i);
     cell.own = 0;
     cell.final = mesh.cell_final.empty() || mesh.cell_final[i] != 0;
@@ -274,7 +275,7 @@ Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& w
     BOOST_OUTCOME_TRYV(give_vertices(source, selection, rows, writer, watch));
   }
   std::uint64_t cells = 0;
-  const bool places_wanted = source.format.corners || Facts(source).any();
+  const bool places_wanted = source.format.corners || source.options.longest_edges;
   for (std::size_t index = 0; index < selection.ranges.size(); ++index) {
     BOOST_OUTCOME_TRYV(watch.look());
     BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {.rows = places_wanted && rows.wanted(),
