@@ -69,6 +69,7 @@ class ScanList {
     constexpr std::string_view rotation = "/e57Root/data3D/vectorChild/pose/rotation/";
     constexpr std::string_view translation = "/e57Root/data3D/vectorChild/pose/translation/";
     if (path_.starts_with(rotation)) {
+      scan().posed = true;  // also without a translation: then the scanner was at the origin
       take_number(std::string_view("wxyz").find(name), scan().rotation.data(), 4);
     } else if (path_.starts_with(translation)) {
       scan().posed = true;

@@ -130,6 +130,7 @@ struct Known {
   bool integers = false;
   bool gas = false;         // of gas alone
   bool own_masses = false;  // of those types alone whose mass is not in the header
+  std::size_t width() const { return names.empty() ? 3 : names.size(); }  // numbers a particle
 };
 
 const std::array<Known, 7>& known_blocks() {
@@ -163,7 +164,7 @@ class LayoutMaker {
 
   // The lengths that the block may have: with numbers of four and of eight bytes.
   std::array<std::uint64_t, 2> lengths_of(const Known& known) const {
-    const std::uint64_t numbers = particles_of(known) * (known.names.empty() ? 3 : known.names.size());
+    const std::uint64_t numbers = particles_of(known) * known.width();
     return {4 * numbers, 8 * numbers};
   }
 
@@ -178,7 +179,7 @@ class LayoutMaker {
     using enum AttributeType;
     const AttributeType type = known.integers ? (wide ? u64 : u32) : (wide ? f64 : f32);
     Run run{.first = 0, .count = 0, .at = block.at, .record_bytes = 0, .fields = {}};
-    for (std::size_t i = 0; i < std::max<std::size_t>(known.names.size(), known.names.empty() ? 3 : 0); ++i) {
+    for (std::size_t i = 0; i < known.width(); ++i) {
       run.fields.push_back({known.names.empty() ? i : column(known.names[i], type), run.record_bytes, type});
       run.record_bytes += size_of(type);
     }

@@ -32,7 +32,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 3> usual_nam
 struct SnapshotHeader {
   std::vector<std::uint64_t> particles;
   std::vector<double> mass, box;
-  std::optional<SnapshotPart> part;
+  SnapshotPart part;
 };
 
 // A column of an attribute: a number of each row of a table.
@@ -58,8 +58,6 @@ struct Snapshot {
   std::uint64_t particles = 0;
 };
 
-std::string box_text(const std::vector<double>& numbers) { return json_text(nlohmann::json(numbers)); }
-
 Result<SnapshotHeader> read_header(const Hdf5File& file, const std::string& path) {
   const auto bad = [&](const std::string& what) { return error(Errc::bad_input, path + ": " + what); };
   SnapshotHeader header;
@@ -75,7 +73,8 @@ Result<SnapshotHeader> read_header(const Hdf5File& file, const std::string& path
   if (header.box.size() == 1) header.box.resize(3, header.box[0]);
   if (header.box.size() != 3 ||
       !std::all_of(header.box.begin(), header.box.end(), [](double size) { return std::isfinite(size) && size >= 0; }))
-    return bad("says that its box is " + box_text(header.box) + ", which are not one or three lengths");
+    return bad("says that its box is " + json_text(nlohmann::json(header.box)) +
+               ", which are not one or three lengths");
   auto total = file.counts("/Header", "NumPart_Total").value_or(header.particles);
   const auto high = file.counts("/Header", "NumPart_Total_HighWord");
   for (std::size_t t = 0; high && t < std::min(total.size(), high->size()); ++t) total[t] += (*high)[t] << 32;

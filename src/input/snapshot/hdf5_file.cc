@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <map>
 #include <mutex>
 #include <utility>
 
 #include "src/base/printable.h"
+#include "src/input/bytes/number_type.h"
 #include "src/input/snapshot/hdf5_library.h"
 
 namespace tessera::snapshot {
@@ -134,26 +135,13 @@ hid_t memory_type(Call hdf5, AttributeType type) {
   return -1;
 }
 
-// The type of numbers of HDF5, if it is one of ours. A number of two bytes with a fraction becomes a float.
-std::optional<AttributeType> number_type(Call hdf5, hid_t type) {
-  using enum AttributeType;
+// The type of numbers of HDF5, if it is one of ours. Shorter floats become floats of four bytes.
+std::optional<AttributeType> type_in_file(Call hdf5, hid_t type) {
   const H5T_class_t kind = hdf5->H5Tget_class(type);
   const std::size_t size = hdf5->H5Tget_size(type);
-  if (kind == H5T_FLOAT) return size <= 4 ? std::optional(f32) : size == 8 ? std::optional(f64) : std::nullopt;
+  if (kind == H5T_FLOAT) return number_type(NumberKind::floating, std::max<std::size_t>(size, sizeof(float)));
   if (kind != H5T_INTEGER) return std::nullopt;
-  const bool has_sign = hdf5->H5Tget_sign(type) != H5T_SGN_NONE;
-  switch (size) {
-    case 1:
-      return has_sign ? i8 : u8;
-    case 2:
-      return has_sign ? i16 : u16;
-    case 4:
-      return has_sign ? i32 : u32;
-    case 8:
-      return has_sign ? i64 : u64;
-    default:
-      return std::nullopt;
-  }
+  return number_type(hdf5->H5Tget_sign(type) == H5T_SGN_NONE ? NumberKind::without_sign : NumberKind::with_sign, size);
 }
 
 // One or two dimensions.
@@ -200,8 +188,10 @@ struct Hdf5File::Impl {
   Call hdf5;
   std::string path;
   hid_t file = -1;
+  std::map<std::string, Handle> tables = {};  // that were read; while a table is open, HDF5 keeps its last chunks
   ~Impl() {
     const std::lock_guard lock(hdf5_mutex());
+    tables.clear();
     if (file >= 0) hdf5->H5Fclose(file);
   }
 
@@ -215,6 +205,22 @@ struct Hdf5File::Impl {
     return {is_own_link(file, name.c_str()) ? hdf5->H5Gopen2(file, name.c_str(), H5P_DEFAULT) : -1, hdf5->H5Gclose};
   }
 
+  // The table, opened once. Unpacked chunks are kept up to some bytes, because batches are smaller than chunks. Returns
+  // -1 if there is none.
+  hid_t table(const std::string& group_name, const std::string& name) {
+    const std::string path = group_name + "/" + name;
+    if (const auto found = tables.find(path); found != tables.end()) return found->second.get();
+    const Handle in = group(group_name);
+    if (!in || !is_own_link(in.get(), name.c_str())) return -1;
+    constexpr std::size_t places = 521, kept_bytes = std::size_t{32} << 20;
+    const Handle access(hdf5->H5Pcreate(hdf5->H5P_CLS_DATASET_ACCESS_ID_g), hdf5->H5Pclose);
+    if (!access || hdf5->H5Pset_chunk_cache(access.get(), places, kept_bytes, 1) < 0) return -1;
+    Handle opened(hdf5->H5Dopen2(in.get(), name.c_str(), access.get()), hdf5->H5Dclose);
+    const hid_t id = opened.get();
+    if (opened) tables.emplace(path, std::move(opened));
+    return id;
+  }
+
   template <class Number>
   std::optional<std::vector<Number>> attribute(const std::string& group_name, const std::string& name,
                                                hid_t type) const {
@@ -225,7 +231,7 @@ struct Hdf5File::Impl {
     if (!attribute) return std::nullopt;
     const Handle space(hdf5->H5Aget_space(attribute.get()), hdf5->H5Sclose),
         stored(hdf5->H5Aget_type(attribute.get()), hdf5->H5Tclose);
-    if (!space || !stored || !number_type(hdf5, stored.get())) return std::nullopt;
+    if (!space || !stored || !type_in_file(hdf5, stored.get())) return std::nullopt;
     const bool single = hdf5->H5Sget_simple_extent_ndims(space.get()) == 0;
     const auto size = single ? std::optional(std::array<hsize_t, 2>{1, 1}) : extent(hdf5, space.get());
     constexpr hsize_t most = 64;
@@ -299,7 +305,7 @@ Result<std::vector<Dataset>> Hdf5File::datasets(const std::string& group_name) c
         stored(hdf5->H5Dget_type(table.get()), hdf5->H5Tclose),
         properties(hdf5->H5Dget_create_plist(table.get()), hdf5->H5Pclose);
     if (!space || !stored || !properties) continue;
-    const auto type = number_type(hdf5, stored.get());
+    const auto type = type_in_file(hdf5, stored.get());
     const auto size = extent(hdf5, space.get());
     constexpr hsize_t columns_max = 64;
     if (!type || !size || (*size)[1] > columns_max) continue;
@@ -320,13 +326,9 @@ Status Hdf5File::read(const std::string& group_name, const Dataset& dataset, std
     return error(Errc::bad_input,
                  impl_->path + ": its table " + in_quotes(group_name + "/" + dataset.name) + " " + what);
   };
-  const Handle group = impl_->group(group_name);
-  const Handle table(group && impl_->is_own_link(group.get(), dataset.name.c_str())
-                         ? hdf5->H5Dopen2(group.get(), dataset.name.c_str(), H5P_DEFAULT)
-                         : -1,
-                     hdf5->H5Dclose);
-  if (!table) return bad("has gone");
-  const Handle space(hdf5->H5Dget_space(table.get()), hdf5->H5Sclose);
+  const hid_t table = impl_->table(group_name, dataset.name);
+  if (table < 0) return bad("has gone");
+  const Handle space(hdf5->H5Dget_space(table), hdf5->H5Sclose);
   const int dimensions = space ? hdf5->H5Sget_simple_extent_ndims(space.get()) : 0;
   if (dimensions < 1 || dimensions > 2) return bad("has another shape than before");
   const std::array<hsize_t, 2> start{first_row, 0}, count{rows, dataset.columns};
@@ -336,8 +338,7 @@ Status Hdf5File::read(const std::string& group_name, const Dataset& dataset, std
     return bad("has fewer rows than before");
   if (out.size() != rows * dataset.columns * size_of(dataset.type))
     return error(Errc::internal, "a buffer has another size than its rows");
-  if (hdf5->H5Dread(table.get(), memory_type(hdf5, dataset.type), memory.get(), space.get(), H5P_DEFAULT, out.data()) <
-      0)
+  if (hdf5->H5Dread(table, memory_type(hdf5, dataset.type), memory.get(), space.get(), H5P_DEFAULT, out.data()) < 0)
     return bad("cannot be read: it is damaged or cut off");
   return success();
 }
