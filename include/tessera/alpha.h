@@ -42,7 +42,9 @@ class TESSERA_PUBLIC AlphaRequest {
 };
 
 // An alpha shape with n vertices. Facets are triangles in 3D, counterclockwise seen from outside, and edges in 2D, with
-// the shape on their left. Programs are compiled with the size of this struct, so it never changes.
+// the shape on their left. In a periodic result vertices are images: a point can be several of them, those in the box
+// come first, and a coordinate divided by the period and rounded down is how many periods a vertex lies away. The
+// boundary is closed up to shifts by periods. Programs are compiled with the size of this struct, so it never changes.
 struct AlphaSurface {
   double radius = 0;
   std::uint64_t cells = 0;                       // cells in the shape

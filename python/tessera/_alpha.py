@@ -20,9 +20,10 @@ class AlphaShape(typing.NamedTuple):
     cells: int
     """How many cells the shape has."""
     ids: npt.NDArray[np.int64]
-    """The source indices of the n vertices, ascending."""
+    """The source indices of the n vertices, ascending. In a periodic result vertices are images: a point can be several
+    of them, and those in the box come first."""
     points: npt.NDArray[np.float64]
-    """The vertices: n x dim."""
+    """The vertices: n x dim. In a periodic result, `numpy.floor(points / period)` is how many periods each lies away."""
     facets: npt.NDArray[np.int64]
     """The boundary: m x dim. Counterclockwise seen from outside in 3D; with the shape on the left in 2D."""
     singular_facets: npt.NDArray[np.int64]

@@ -52,6 +52,7 @@ class Making {
       : source_(std::move(source)), options_(options), scratch_(std::move(scratch)), stop_(std::move(stop)) {}
 
   const Manifest& manifest() const { return source_.manifest(); }
+  bool is_periodic() const { return source_.period().any(); }
   Status check() const {
     if (options_.radius && !(std::isfinite(*options_.radius) && *options_.radius > 0))
       return error(Errc::usage, option("alpha") + ": must be a radius, finite and above 0");
@@ -110,7 +111,7 @@ class Making {
  private:
   Status find_in(std::size_t index, const TileSource& source, double radius, Parts& parts) {
     BOOST_OUTCOME_TRY(tile, source.read(index, {}));
-    const TileAlpha found(tile.mesh, source.entry(index).tile, radius, stop_);
+    const TileAlpha found(tile.mesh, source.entry(index).tile, source.period(), radius, stop_);
     const auto take = [&](std::span<const ShapeSimplex> simplices) -> Status {
       const std::lock_guard lock(parts.mutex);
       return parts.simplices.add(simplices);
@@ -141,7 +142,7 @@ class Making {
 };
 
 Result<Making> open(const fs::path& out, const AlphaOptions& options, const fs::path& scratch, std::stop_token stop) {
-  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out, Periods::known));
   Making making(std::move(source), options, scratch, std::move(stop));
   BOOST_OUTCOME_TRYV(making.check());
   return making;
@@ -205,6 +206,7 @@ Status write_ply(const fs::path& target, const Making& making, const AlphaOption
   BOOST_OUTCOME_TRY(file, ShapePly::create(target, {.dimension = making.manifest().dimension,
                                                     .general = options.general,
                                                     .ids = making.manifest().points_read,
+                                                    .periodic = making.is_periodic(),
                                                     .comment = "alpha shape of the radius " + radius_text(shape.radius),
                                                     .stamp = stamp_of(making.manifest())}));
   Counted counted(*file, shape);
@@ -247,7 +249,7 @@ class Collector : public ShapeTaker {
     return success();
   }
   Status vertex(PointId id, const Point& at) override {
-    arrays_.ids.push_back(id.value);
+    arrays_.ids.push_back(plain(id).value);
     for (int axis = 0; axis < dimension_; ++axis) arrays_.points.push_back(at[axis]);
     return success();
   }
@@ -311,6 +313,10 @@ Result<AlphaShape> write_alpha_shape(const fs::path& out, const fs::path& target
   if (polygons && making.manifest().dimension != 2)
     return error(Errc::usage, target.string() + ": a map holds polygons, and " + out.string() +
                                   " is a 3D result; give a name that ends in .ply");
+  if (polygons && making.is_periodic())
+    return error(Errc::usage, target.string() +
+                                  ": a polygon has an inside and an outside, which the shape of a periodic "
+                                  "cloud need not have; give a name that ends in .ply");
   AlphaShape shape{.path = target, .searched = !options.radius, .general = options.general};
   if (polygons) shape.note = crs_note(making.manifest().crs);
   BOOST_OUTCOME_TRY(radius, making.radius());

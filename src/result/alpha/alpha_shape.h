@@ -59,11 +59,12 @@ std::string radius_text(double radius);
 Result<AlphaShape> write_alpha_shape(const std::filesystem::path& out, const std::filesystem::path& target,
                                      const AlphaOptions& options, std::stop_token stop);
 
-// The same shape in memory. Vertices are numbered in the order of their ids.
+// The same shape in memory. Vertices are numbered in the order of their ids. In a periodic result vertices are images:
+// those in the box come first, and then images by their offset. A point can be several vertices.
 struct AlphaArrays {
   double radius = 0;
   std::uint64_t cells = 0;
-  std::vector<std::uint64_t> ids;                // n source indices, ascending
+  std::vector<std::uint64_t> ids;                // n source indices, ascending; see images below
   std::vector<double> points;                    // n x dimension coordinates
   std::vector<std::uint64_t> facets;             // each `dimension` indices of vertices
   std::vector<std::uint64_t> singular_facets;    // likewise

@@ -22,8 +22,8 @@ struct ShapeCounts {
   std::uint64_t of(SimplexKind kind) const { return simplices[static_cast<std::size_t>(kind)]; }
 };
 
-// Gets the counts, then all vertices by id, then all simplices by kind and by the ids of their vertices. The numbers of
-// vertices are their ranks.
+// Vertices are images (src/base/image.h). Gets the counts, then all vertices by id, then all simplices by kind and by
+// the ids of their vertices. The numbers of vertices are their ranks.
 class ShapeTaker {
  public:
   virtual ~ShapeTaker() = default;

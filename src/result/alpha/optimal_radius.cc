@@ -4,7 +4,9 @@
 //
 // A facet belongs to its main tile. A tile joins cells by its own facets, in ascending order. Where one of the two
 // pieces has no cell with a facet of another tile, no other edge can take the place of this one: it is in the forest.
-// Otherwise it goes to the end, where the edges of all tiles are joined in the same way.
+// Otherwise it goes to the end, where the edges of all tiles are joined in the same way. In a periodic result a tile
+// may have several copies of a cell, which are one cell; they all have a vertex that is not the tile's own, so they
+// meet at the end, where all copies have the same name.
 #include "src/result/alpha/optimal_radius.h"
 
 #include <algorithm>
@@ -20,6 +22,7 @@
 
 #include "src/base/on_threads.h"
 #include "src/base/stopped.h"
+#include "src/geometry/mesh/images.h"
 #include "src/geometry/predicates/exact/circumradius.h"
 #include "src/result/alpha/disjoint_sets.h"
 #include "src/result/alpha/tile_alpha.h"
@@ -143,7 +146,7 @@ class TileRadii {
         const std::int32_t neighbor = mesh_.neighbors[cell * corners_ + k];
         if (neighbor < 0 || static_cast<std::size_t>(neighbor) < cell) continue;
         const auto facet = facet_of(mesh_, cell, k);
-        if (main_tile(mesh_, std::span(facet).first(corners_ - 1)) != self_) continue;
+        if (!is_main(mesh_, std::span(facet).first(corners_ - 1), self_)) continue;
         edges.push_back({std::max(radii_[cell], radii_[static_cast<std::size_t>(neighbor)]),
                          static_cast<std::uint32_t>(cell), static_cast<std::uint32_t>(neighbor)});
       }
@@ -153,8 +156,9 @@ class TileRadii {
   }
   CellIdSet ids_of(std::uint32_t cell) const {
     CellIdSet ids{};
-    for (std::size_t k = 0; k < corners_; ++k)
-      ids[k] = mesh_.ids[static_cast<std::size_t>(mesh_.cells[cell * corners_ + k])];
+    const auto vertices = std::span(mesh_.cells).subspan(cell * corners_, corners_);
+    const PeriodOffset base = base_offset(mesh_, vertices);
+    for (std::size_t k = 0; k < corners_; ++k) ids[k] = image_of(mesh_, vertices[k], base);
     std::sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(corners_));
     return ids;
   }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "src/base/image.h"
 #include "src/result/export/output.h"
 
 namespace tessera::alpha {
@@ -25,7 +26,8 @@ class Writer : public ShapePly {
     stream_.text("ply\nformat binary_little_endian 1.0\ncomment " + head_.comment + "\ncomment " +
                  comment_of(head_.stamp) + "\nelement vertex " + std::to_string(counts.vertices) +
                  "\nproperty double x\nproperty double y\nproperty double z\nproperty " +
-                 (small_ids_ ? "uint" : "double") + " id\n");
+                 (small_ids_ ? "uint" : "double") + " id\n" +
+                 (head_.periodic ? "property char offset_x\nproperty char offset_y\nproperty char offset_z\n" : ""));
     if (head_.dimension == 3)
       stream_.text("element face " + std::to_string(facets) + "\nproperty list uchar uint vertex_indices\n" +
                    (head_.general ? "property uchar singular\n" : ""));
@@ -39,10 +41,12 @@ class Writer : public ShapePly {
   Status vertex(PointId id, const Point& at) override {
     stream_.value(at);
     if (small_ids_) {
-      stream_.value(static_cast<std::uint32_t>(id.value));
+      stream_.value(static_cast<std::uint32_t>(plain(id).value));
     } else {
-      stream_.value(static_cast<double>(id.value));
+      stream_.value(static_cast<double>(plain(id).value));
     }
+    if (head_.periodic)
+      for (const int by : offset_of(id).by) stream_.value(static_cast<std::int8_t>(by));
     return stream_.status();
   }
   Status simplex(SimplexKind kind, std::span<const std::uint64_t> vertices) override {

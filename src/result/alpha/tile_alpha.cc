@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/stopped.h"
+#include "src/geometry/mesh/images.h"
 #include "src/geometry/predicates/exact/circumradius.h"
 
 namespace tessera::alpha {
@@ -14,12 +15,6 @@ namespace {
 constexpr std::size_t cells_a_look = 4096;  // between two checks for a stop
 
 }  // namespace
-
-TileId main_tile(const TileMesh& mesh, std::span<const std::int32_t> vertices) {
-  TileId least = mesh.owners[static_cast<std::size_t>(vertices[0])];
-  for (const std::int32_t v : vertices.subspan(1)) least = std::min(least, mesh.owners[static_cast<std::size_t>(v)]);
-  return least;
-}
 
 std::array<std::int32_t, 3> facet_of(const TileMesh& mesh, std::size_t cell, std::size_t k) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
@@ -34,13 +29,14 @@ std::array<std::int32_t, 3> facet_of(const TileMesh& mesh, std::size_t cell, std
 // Passes simplices on when there are some thousand.
 class TileAlpha::Batch {
  public:
-  Batch(const TileMesh& mesh, const Take& take) : mesh_(mesh), take_(take) {}
+  Batch(const TileMesh& mesh, const Period& period, const Take& take) : mesh_(mesh), period_(period), take_(take) {}
   Status add(SimplexKind kind, std::span<const std::int32_t> vertices) {
     ShapeSimplex simplex;
     simplex.kind = kind;
+    const PeriodOffset base = base_offset(mesh_, vertices);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      simplex.ids[i] = mesh_.ids[static_cast<std::size_t>(vertices[i])];
-      simplex.at[i] = mesh_.points[static_cast<std::size_t>(vertices[i])];
+      simplex.ids[i] = image_of(mesh_, vertices[i], base);
+      simplex.at[i] = period_.shifted(mesh_.points[static_cast<std::size_t>(vertices[i])], PeriodOffset{} - base);
     }
     if (kind != SimplexKind::facet) {
       simplex.sort(vertices.size());
@@ -60,6 +56,7 @@ class TileAlpha::Batch {
  private:
   static constexpr std::size_t simplices_max = 4096;
   const TileMesh& mesh_;
+  const Period& period_;
   const Take& take_;
   std::vector<ShapeSimplex> simplices_;
 };
@@ -70,9 +67,10 @@ struct TileAlpha::Faces {
   std::vector<std::uint8_t> touched;  // by vertex: 1 when an edge in the complex has the vertex
 };
 
-TileAlpha::TileAlpha(const TileMesh& mesh, TileId self, double radius, std::stop_token stop)
+TileAlpha::TileAlpha(const TileMesh& mesh, TileId self, const Period& period, double radius, std::stop_token stop)
     : mesh_(mesh),
       self_(self),
+      period_(period),
       radius_(radius),
       stop_(std::move(stop)),
       corners_(static_cast<std::size_t>(mesh.dimension) + 1),
@@ -97,7 +95,7 @@ std::uint64_t TileAlpha::main_cells() const {
 }
 
 Status TileAlpha::regular_facets(const Take& take) const {
-  Batch batch(mesh_, take);
+  Batch batch(mesh_, period_, take);
   for (std::size_t cell = 0; cell < in_.size(); ++cell) {
     look_for_stop(cell);
     if (in_[cell] == 0) continue;
@@ -106,7 +104,7 @@ Status TileAlpha::regular_facets(const Take& take) const {
       if (neighbor >= 0 && in_[static_cast<std::size_t>(neighbor)] != 0) continue;
       const auto facet = facet_of(mesh_, cell, k);
       const auto vertices = std::span(facet).first(corners_ - 1);
-      if (main_tile(mesh_, vertices) != self_) continue;
+      if (!is_main(mesh_, vertices, self_)) continue;
       BOOST_OUTCOME_TRYV(batch.add(SimplexKind::facet, vertices));
     }
   }
@@ -125,7 +123,7 @@ bool TileAlpha::in_complex(std::span<const std::int32_t> face, std::span<const s
 }
 
 Status TileAlpha::singular_faces(const Take& take) const {
-  Batch batch(mesh_, take);
+  Batch batch(mesh_, period_, take);
   Faces faces{std::vector<std::uint8_t>(in_.size(), 0), std::vector<std::uint8_t>(mesh_.points.size(), 0)};
   BOOST_OUTCOME_TRYV(find_facets(faces, batch));
   if (corners_ == 4) {
@@ -168,7 +166,7 @@ Status TileAlpha::find_facets(Faces& faces, Batch& batch) const {
       if (!in_complex(vertices, std::span(opposite).first(neighbor >= 0 ? 2 : 1))) continue;
       mark(cell, k, vertices);
       if (neighbor >= 0) mark(other, back, vertices);
-      if (main_tile(mesh_, vertices) != self_) continue;
+      if (!is_main(mesh_, vertices, self_)) continue;
       BOOST_OUTCOME_TRYV(batch.add(SimplexKind::singular_facet, vertices));
     }
   }
@@ -211,7 +209,7 @@ Status TileAlpha::find_edges(Faces& faces, Batch& batch) const {
     if (excluded) continue;
     const std::array<std::int32_t, 2> edge{edges[begin].a, edges[begin].b};
     for (const std::int32_t v : edge) faces.touched[static_cast<std::size_t>(v)] = 1;
-    if (main_tile(mesh_, edge) != self_) continue;
+    if (!is_main(mesh_, edge, self_)) continue;
     BOOST_OUTCOME_TRYV(batch.add(SimplexKind::singular_edge, edge));
   }
   return success();
