@@ -74,20 +74,19 @@ TEST_P(EveryShape, DependsOnTheSeedAlone) {
 
 INSTANTIATE_TEST_SUITE_P(Generate, EveryShape,
                          testing::Combine(testing::Values(CloudShape::uniform, CloudShape::normal, CloudShape::sphere,
-                                                          CloudShape::grid, CloudShape::terrain),
+                                                          CloudShape::grid, CloudShape::terrain, CloudShape::halos),
                                           testing::Values(2, 3)));
 
 // Fixed for ever: a seed quoted in a report must give the cloud it gave then, on every machine.
 TEST(Generate, GivesTheSameBitsOnEveryMachine) {
   std::map<CloudShape, std::uint64_t> found;
-  for (const auto shape :
-       {CloudShape::uniform, CloudShape::normal, CloudShape::sphere, CloudShape::grid, CloudShape::terrain})
+  for (const auto shape : {CloudShape::uniform, CloudShape::normal, CloudShape::sphere, CloudShape::grid,
+                           CloudShape::terrain, CloudShape::halos})
     found[shape] = fingerprint(make({.shape = shape, .points = 10000, .seed = 7}).points);
-  const std::map<CloudShape, std::uint64_t> expected{{CloudShape::uniform, 133285351608660516u},
-                                                     {CloudShape::normal, 12822912948538107916u},
-                                                     {CloudShape::sphere, 2611631983846802217u},
-                                                     {CloudShape::grid, 7594779990152015227u},
-                                                     {CloudShape::terrain, 4026203649058492351u}};
+  const std::map<CloudShape, std::uint64_t> expected{
+      {CloudShape::uniform, 133285351608660516u},  {CloudShape::normal, 12822912948538107916u},
+      {CloudShape::sphere, 2611631983846802217u},  {CloudShape::grid, 7594779990152015227u},
+      {CloudShape::terrain, 4026203649058492351u}, {CloudShape::halos, 4859036700474609626u}};
   EXPECT_EQ(found, expected);
 }
 
@@ -114,6 +113,28 @@ TEST(Generate, PutsSpheresOnTheSphereEvenly) {
     for (int axis = 0; axis < 3; ++axis) mean[axis] += p[axis] / 1e5;
   }
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(mean[axis], 0, 0.01);
+}
+
+TEST(Generate, PutsParticlesIntoHalosOfHighDensity) {
+  constexpr int side = 512;
+  std::map<int, int> particles;  // by cell of a grid
+  const auto points = make({.shape = CloudShape::halos, .points = 1000000, .seed = 1}).points;
+  const auto cell_of = [](const Point& p) {
+    const auto at = [](double x) { return static_cast<int>(x * side); };
+    return (at(p.z) * side + at(p.y)) * side + at(p.x);
+  };
+  for (const auto& p : points) {
+    for (int axis = 0; axis < 3; ++axis) ASSERT_LT(p[axis], 1);
+    ++particles[cell_of(p)];
+  }
+  const double mean = 1e6 / side / side / side;
+  int dense = 0, alone = 0;
+  for (const auto& [cell, count] : particles) {
+    if (count >= 1e4 * mean) dense += count;
+    if (count == 1) ++alone;
+  }
+  EXPECT_NEAR(dense, 24000, 4000) << "in cells of 10,000 times the mean density";
+  EXPECT_GT(alone, 150000) << "every fifth particle lies anywhere";
 }
 
 TEST(Generate, CutsTheSmallestGridThatIsLargeEnough) {

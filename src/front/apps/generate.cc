@@ -26,8 +26,9 @@ Status run_generate(Settings& settings, const std::string& kind) {
   if (kind.empty()) return error(Errc::usage, "no kind of cloud is given; try 'tessera generate --help'");
   const auto shape = shape_named(kind);
   if (!shape)
-    return error(Errc::usage,
-                 "'" + kind + "' is not a kind of cloud; the kinds are uniform, normal, sphere, grid and terrain");
+    return error(
+        Errc::usage,
+        "'" + kind + "' is not a kind of cloud; the kinds are uniform, normal, sphere, grid, terrain and halos");
   options.shape = *shape;
   BOOST_OUTCOME_TRY(points, settings.get("points", [](const std::string& text) { return parse_count(text); }));
   if (!points) return error(Errc::usage, "no number of points is given; add -n 10M");
@@ -67,10 +68,11 @@ Status run_generate(Settings& settings, const std::string& kind) {
 }  // namespace
 
 Command add_generate(CLI::App& root) {
-  auto command = new_command(root, "generate", "Writes a made-up cloud: uniform, normal, sphere, grid or terrain",
-                             "  tessera generate uniform -n 10M --seed 7 -o cloud.las\n"
-                             "  tessera generate terrain -n 1.5M -o hills.las\n"
-                             "  tessera generate sphere -n 10k --dim 2 -o circle.xyz");
+  auto command =
+      new_command(root, "generate", "Writes a made-up cloud: uniform, normal, sphere, grid, terrain or halos",
+                  "  tessera generate uniform -n 10M --seed 7 -o cloud.las\n"
+                  "  tessera generate terrain -n 1.5M -o hills.las\n"
+                  "  tessera generate sphere -n 10k --dim 2 -o circle.xyz");
   set_group(command, "For tests");
   add_value(command, "points", "N", "how many points, for example 500, 10k or 1.5M", 'n', true);
   add_value(command, "seed", "N", "another seed gives another cloud of the same kind; default: 1");
@@ -79,8 +81,8 @@ Command add_generate(CLI::App& root) {
   add_switch(command, "overwrite", "replace the file if it exists", 0, true);
   add_output_switches(command);
   auto kind = std::make_shared<std::string>();
-  add_argument(command, "kind", "KIND", *kind, "uniform, normal, sphere, grid or terrain");
-  add_choices(command, "kind", "uniform, normal, sphere, grid, terrain");
+  add_argument(command, "kind", "KIND", *kind, "uniform, normal, sphere, grid, terrain or halos");
+  add_choices(command, "kind", "uniform, normal, sphere, grid, terrain, halos");
   command.run = [settings = command.settings.get(), kind](const std::vector<std::string>&) {
     return run_generate(*settings, *kind);
   };

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "src/base/random.h"
+#include "src/input/generate/direction.h"
+#include "src/input/generate/halos.h"
 #include "src/input/generate/portable_math.h"
 #include "src/input/generate/terrain.h"
 #include "src/input/generate/writer.h"
@@ -25,11 +27,12 @@ class ShapeSource {
 namespace {
 
 constexpr std::uint64_t batch_points = 65'536;
-constexpr std::array<std::pair<std::string_view, CloudShape>, 5> shapes{{{"uniform", CloudShape::uniform},
+constexpr std::array<std::pair<std::string_view, CloudShape>, 6> shapes{{{"uniform", CloudShape::uniform},
                                                                          {"normal", CloudShape::normal},
                                                                          {"sphere", CloudShape::sphere},
                                                                          {"grid", CloudShape::grid},
-                                                                         {"terrain", CloudShape::terrain}}};
+                                                                         {"terrain", CloudShape::terrain},
+                                                                         {"halos", CloudShape::halos}}};
 
 // A cube, or in 2D a square, from lo to hi.
 Bounds cube(double lo, double hi, int dimension) {
@@ -90,22 +93,10 @@ class NormalSource : public ShapeSource {
   double spare_ = 0;
 };
 
-// Marsaglia 1972: turns an even distribution in the disc into one on the sphere. In 2D the directions of the disc
-// serve.
 class SphereSource : public ShapeSource {
  public:
   explicit SphereSource(const GenerateOptions& options) : random_(options.seed), dimension_(options.dimension) {}
-  Point at(std::uint64_t, std::uint8_t&) override {
-    double u = 0, v = 0, s = 0;
-    do {
-      u = random_.between(-1, 1);
-      v = random_.between(-1, 1);
-      s = u * u + v * v;
-    } while (s >= 1 || s < 1e-6);
-    if (dimension_ == 2) return {u / std::sqrt(s), v / std::sqrt(s), 0};
-    const double factor = 2 * std::sqrt(1 - s);
-    return {u * factor, v * factor, 1 - 2 * s};
-  }
+  Point at(std::uint64_t, std::uint8_t&) override { return direction(random_, dimension_); }
   Bounds bounds() const override { return cube(-1 - 1e-9, 1 + 1e-9, dimension_); }
 
  private:
@@ -157,6 +148,18 @@ class TerrainSource : public ShapeSource {
   int dimension_;
 };
 
+class HaloSource : public ShapeSource {
+ public:
+  explicit HaloSource(const GenerateOptions& options)
+      : halos_(options.points, options.seed, options.dimension), dimension_(options.dimension) {}
+  Point at(std::uint64_t, std::uint8_t&) override { return halos_.next(); }
+  Bounds bounds() const override { return cube(0, 1, dimension_); }
+
+ private:
+  Halos halos_;
+  int dimension_;
+};
+
 std::unique_ptr<ShapeSource> make_source(const GenerateOptions& options) {
   switch (options.shape) {
     case CloudShape::uniform:
@@ -167,6 +170,8 @@ std::unique_ptr<ShapeSource> make_source(const GenerateOptions& options) {
       return std::make_unique<SphereSource>(options);
     case CloudShape::grid:
       return std::make_unique<GridSource>(options);
+    case CloudShape::halos:
+      return std::make_unique<HaloSource>(options);
     case CloudShape::terrain:
       break;
   }

@@ -20,6 +20,7 @@ enum class CloudShape {
   sphere,   // evenly on the unit sphere around 0; cospherical up to rounding
   grid,     // integers 0 .. k-1 on each axis, with the least k with k^d >= n; x changes fastest; cut off after n points
   terrain,  // see terrain.h: airborne LiDAR in steps of a centimetre
+  halos,    // see halos.h: clumps of particles in a periodic cube [0, 1)^d
 };
 
 // The shape with this name ("uniform", ...). Nothing for other names.
