@@ -142,6 +142,7 @@ ReportData report_of(const JobSummary& summary, const Manifest& manifest, const 
   report.partition_kind = manifest.partition_kind;
   report.boxes_disjoint = manifest.partition_kind != name_of(PartitionKind::random);
   report.bounds = manifest.bounds;
+  report.period = period_of(manifest);
   if (const auto heights = heights_of(manifest); heights && manifest.dimension == 2) {
     report.heights = {heights->lo, heights->hi};
   }

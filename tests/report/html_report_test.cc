@@ -65,6 +65,11 @@ TEST(HtmlReport, SaysWhenWhereAndWhatWasTriangulated) {
                            "z 0 to 5", "9535ea8d9011370510168a5be59e9e6e", "a&lt;b: no coordinate system"}) {
     EXPECT_NE(html.find(text), std::string::npos) << text;
   }
+  EXPECT_EQ(html.find("<dt>period</dt>"), std::string::npos);
+  data.period = {{10, 0, 5.5}};
+  EXPECT_NE(
+      html_report(data).find("<dt>period</dt><dd><span class=\"number\">x 10</span>, <span class=\"number\">z 5.5"),
+      std::string::npos);
   data.crs_title.clear();
   data.summary.dimension = 2;
   data.heights = {170.25, 215};

@@ -44,6 +44,15 @@ std::string facts(const ReportData& data) {
       extent += (i > 0 ? " by " : "") + number(coordinate(data.bounds.hi[i] - data.bounds.lo[i]));
     fact("extent", extent);
   }
+  if (data.period.any()) {
+    std::string periods;
+    constexpr std::array axes{"x", "y", "z"};
+    for (int i = 0; i < data.summary.dimension; ++i)
+      if (data.period.along(i))
+        periods += (periods.empty() ? "" : ", ") + number(axes[static_cast<std::size_t>(i)] + std::string(" ") +
+                                                          coordinate(data.period.length[static_cast<std::size_t>(i)]));
+    fact("period", periods);
+  }
   if (data.heights)
     fact("heights", number("z " + coordinate((*data.heights)[0]) + " to " + coordinate((*data.heights)[1])));
   if (!data.summary.digest.empty()) fact("digest", "<code>" + escape_html(data.summary.digest) + "</code>");

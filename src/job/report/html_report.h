@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/point.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
@@ -33,6 +34,7 @@ struct ReportData {
   std::string partition_kind;
   bool boxes_disjoint = true;                    // false for the random partition: then there is no picture of tiles
   Bounds bounds;                                 // of all points
+  Period period;                                 // of the space
   std::optional<std::array<double, 2>> heights;  // 2D: the least and the greatest height, if the vertices have heights
   std::vector<TileFigures> tiles;                // tiles that hold points
   std::vector<PhaseSpan> spans;
