@@ -47,7 +47,9 @@ Questions::Questions(const Triangulation& triangulation, std::uint64_t memory_by
     : impl_(guarded([&] {
         const query::OpenOptions usual;
         auto stored = value_or_throw(query::StoredTriangulation::open(
-            triangulation.folder(), {.memory_bytes = memory_bytes > 0 ? memory_bytes : usual.memory_bytes}));
+            triangulation.folder(), {.memory_bytes = memory_bytes > 0 ? memory_bytes : usual.memory_bytes,
+                                     .parts = false,
+                                     .periods = Periods::known}));
         return std::make_shared<const Impl>(
             Impl{triangulation, std::move(stored), threads > 0 ? threads : usable_processors()});
       })) {}

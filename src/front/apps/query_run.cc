@@ -21,7 +21,8 @@ namespace {
 using query::StoredTriangulation;
 
 Result<StoredTriangulation> open(const QueryRequest& request) {
-  return StoredTriangulation::open(request.folder, {.memory_bytes = request.memory_bytes, .parts = true});
+  return StoredTriangulation::open(request.folder,
+                                   {.memory_bytes = request.memory_bytes, .parts = true, .periods = Periods::known});
 }
 
 Status print(const std::string& text) {
@@ -111,8 +112,9 @@ Status query_cells(QueryRequest& request) {
   if (request.target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE");
   BOOST_OUTCOME_TRYV(find_export_target(request.target, request.cells));
   // One half of the memory is for tiles, the other half for the cells that are found in them.
-  BOOST_OUTCOME_TRY(
-      result, StoredTriangulation::open(request.folder, {.memory_bytes = request.memory_bytes / 2, .parts = true}));
+  BOOST_OUTCOME_TRY(result, StoredTriangulation::open(
+                                request.folder,
+                                {.memory_bytes = request.memory_bytes / 2, .parts = true, .periods = Periods::known}));
   query::Area area;
   if (!request.polygon.empty()) {
     BOOST_OUTCOME_TRY(polygon, query::Polygon::read_geojson(request.polygon));

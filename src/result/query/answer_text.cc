@@ -41,7 +41,11 @@ Json json_of(const Point& p, int dimension) {
 }
 
 Json json_of(const query::Vertex& vertex, int dimension) {
-  return {{"id", vertex.id.value}, {"tile", vertex.owner.value}, {"point", json_of(vertex.at, dimension)}};
+  Json object{{"id", vertex.id.value}, {"tile", vertex.owner.value}, {"point", json_of(vertex.at, dimension)}};
+  if (vertex.offset == PeriodOffset{}) return object;
+  Json& offset = object["offset"] = Json::array();
+  for (int axis = 0; axis < dimension; ++axis) offset.push_back(vertex.offset.by[static_cast<std::size_t>(axis)]);
+  return object;
 }
 
 Json json_of(const query::Cell& cell, int dimension) {

@@ -19,9 +19,10 @@ struct Share {
 
 constexpr std::size_t share_max = 1 << 14;
 
-bool is_inside(const Bounds& bounds, const Point& p) {
-  return bounds.lo.x <= p.x && p.x <= bounds.hi.x && bounds.lo.y <= p.y && p.y <= bounds.hi.y && bounds.lo.z <= p.z &&
-         p.z <= bounds.hi.z;
+bool is_inside(const Bounds& bounds, const Period& period, const Point& p) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!period.along(axis) && !(bounds.lo[axis] <= p[axis] && p[axis] <= bounds.hi[axis])) return false;
+  return true;
 }
 
 }  // namespace
@@ -55,7 +56,7 @@ Status locate_all(TileCache& cache, const Manifest& manifest, const Homes& homes
       const QueryTile* home = nullptr;
       for (std::size_t k = shares[s].begin; k < shares[s].end; ++k) {
         const Point& q = batch.points[order[k]];
-        if (!is_inside(manifest.bounds, q)) {
+        if (!is_inside(manifest.bounds, batch.period, q)) {
           BOOST_OUTCOME_TRYV(visit(walker, order[k], Located{}));
           continue;
         }

@@ -12,7 +12,8 @@
 namespace tessera::query {
 
 struct Batch {
-  std::span<const Point> points;  // finite; in 2D with z = 0
+  std::span<const Point> points;  // finite; in 2D with z = 0; in the box of a periodic result
+  Period period = {};             // of the result
   unsigned threads = 1;
   bool with_rows = false;
   std::stop_token stop = {};

@@ -133,6 +133,7 @@ struct AnswerBudget {
 
 Result<CellSet> cells_of(const OpenedResult& result, const Area& area, const CellLimits& limits,
                          const AskOptions& options) {
+  BOOST_OUTCOME_TRYV(result.refuse_periods("questions for the cells of an area"));
   const Manifest& manifest = result.manifest;
   if (area.plane && manifest.dimension != 3)
     return error(Errc::usage, result.out.string() + ": is a 2D result, which no plane of space cuts");
@@ -155,6 +156,7 @@ Result<CellSet> cells_of(const OpenedResult& result, const Area& area, const Cel
 
 Result<HullCells> hull_of(const OpenedResult& result, const CellLimits& limits, const AskOptions& options,
                           std::optional<double> max_edge, std::optional<double> max_radius) {
+  BOOST_OUTCOME_TRYV(result.refuse_periods("questions for the hull"));
   const Manifest& manifest = result.manifest;
   const AnswerBudget budget(limits, manifest);
   Walker walker(result.cache, manifest, !manifest.schema.empty());
@@ -216,6 +218,7 @@ Result<Cell> cell_of(const OpenedResult& result, TileId id, std::int32_t place) 
 }
 
 Result<std::vector<TileId>> tiles_of(const OpenedResult& result, const Area& area, const AskOptions& options) {
+  BOOST_OUTCOME_TRYV(result.refuse_periods("questions for the tiles of an area"));
   Walker walker(result.cache, result.manifest, false);
   BOOST_OUTCOME_TRY(found, result.find(walker, area, ~std::uint64_t{0}, options.stop));
   return std::vector<TileId>(found.owners.begin(), found.owners.end());

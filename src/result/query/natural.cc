@@ -219,12 +219,11 @@ class Sibson {
 // rounding leaves too little of them.
 template <class Number>
 bool barycentric(const Located& located, const Point& q, std::array<Number, 4>& parts) {
-  const QueryTile& tile = *located.place.tile;
-  const std::size_t n = tile.corners();
+  const std::size_t n = located.place.tile->corners();
   Corners<Number> at;
   Number size = 0;
   for (std::size_t k = 0; k < n; ++k) {
-    at[k] = relative<Number>(tile.point(tile.vertex(located.place.cell, k)), q);
+    at[k] = relative<Number>(located.place.corner(k), q);
     for (const Number& x : {at[k].x, at[k].y, at[k].z}) size = std::max(size, x < 0 ? -x : x);
   }
   Number all = 0;
@@ -260,13 +259,14 @@ std::vector<Weight> linear_weights(const Located& located, const Point& q) {
     return weights;
   }
   // The cell has no volume, as only a damaged one has, or its volume is out of range: takes the nearest vertex.
-  const auto distance = [&](const Weight& weight) {
-    const Point& p = tile.point(weight.vertex);
+  const auto distance = [&](std::size_t k) {
+    const Point p = located.place.corner(k);
     return std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
   };
-  std::min_element(weights.begin(), weights.end(), [&](const Weight& a, const Weight& b) {
-    return distance(a) < distance(b);
-  })->weight = 1;
+  std::size_t nearest = 0;
+  for (std::size_t k = 1; k < n; ++k)
+    if (distance(k) < distance(nearest)) nearest = k;
+  weights[nearest].weight = 1;
   return weights;
 }
 

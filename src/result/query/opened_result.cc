@@ -1,6 +1,7 @@
 #include "src/result/query/opened_result.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace tessera::query {
@@ -13,7 +14,8 @@ Cell cell_at(const CellRef& place) {
 }
 
 Vertex vertex_at(const QueryTile& tile, std::int32_t vertex) {
-  return {.id = tile.id_of(vertex), .owner = tile.owner(vertex), .at = tile.point(vertex)};
+  return {
+      .id = tile.id_of(vertex), .owner = tile.owner(vertex), .at = tile.point(vertex), .offset = tile.offset(vertex)};
 }
 
 Result<const CellTree*> OpenedResult::part_tree() const {
@@ -25,8 +27,37 @@ Result<const CellTree*> OpenedResult::part_tree() const {
   return tree.get();
 }
 
+// Moves by whole periods. A point between 0 and the period stays as it is.
+std::vector<Point> OpenedResult::in_box(std::span<const Point> points) const {
+  std::vector<Point> moved(points.begin(), points.end());
+  const Period& period = source.period();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = period.length[static_cast<std::size_t>(axis)];
+    if (length == 0) continue;
+    for (Point& p : moved) {
+      double& x = p[axis];
+      if (0 <= x && x < length) continue;
+      x = std::fmod(x, length);
+      if (x < 0) x += length;
+      if (x >= length) x = 0;
+    }
+  }
+  return moved;
+}
+
+Status OpenedResult::refuse_periods(const std::string& what) const {
+  if (!source.period().any()) return success();
+  return error(Errc::usage, out.string() + ": holds the triangulation of a periodic cloud, which does not answer " +
+                                what +
+                                "; it tells cells of points, stars, neighbours, and values that are linear in cells");
+}
+
 Status OpenedResult::locate(const Batch& batch, const VisitLocated& visit) const {
-  if (!manifest.region) return locate_all(cache, manifest, homes, batch, visit);
+  if (!manifest.region) {
+    Batch whole = batch;
+    whole.period = source.period();
+    return locate_all(cache, manifest, homes, whole, visit);
+  }
   BOOST_OUTCOME_TRY(cells, part_tree());
   return locate_all_in_part(cache, manifest, *cells, batch, visit);
 }

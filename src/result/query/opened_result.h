@@ -5,7 +5,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,6 +37,10 @@ struct OpenedResult {
   mutable std::mutex tree_mutex;
   mutable std::unique_ptr<const CellTree> tree;
   Result<const CellTree*> part_tree() const;
+  // The places of a periodic result that are those of the points, in its box. Other results: the points.
+  std::vector<Point> in_box(std::span<const Point> points) const;
+  // Error usage for a periodic result: `what` cannot be asked of it.
+  Status refuse_periods(const std::string& what) const;
   // locate_all() and search() for a whole triangulation or a region.
   Status locate(const Batch& batch, const VisitLocated& visit) const;
   Result<Found> find(Walker& walker, const Area& area, std::uint64_t cells_max, const std::stop_token& stop) const;

@@ -43,17 +43,19 @@ Result<std::shared_ptr<const QueryTile>> QueryTile::load(const TileSource& sourc
       if (source.manifest().region)
         for (auto& neighbor : stored.mesh.neighbors) neighbor = neighbor < 0 ? -2 : neighbor;
     }
-    return std::shared_ptr<const QueryTile>(
-        new QueryTile(path, source.entry(index), std::move(stored), with_rows, source.manifest().region.has_value()));
+    return std::shared_ptr<const QueryTile>(new QueryTile(path, source.entry(index), std::move(stored), source.period(),
+                                                          with_rows, source.manifest().region.has_value()));
   } catch (const std::bad_alloc&) {
     return worded([&] { return error(Errc::memory, path.string() + ": no memory is left to hold it"); });
   }
 }
 
-QueryTile::QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, bool with_rows, bool part)
+QueryTile::QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, const Period& period,
+                     bool with_rows, bool part)
     : path_(std::move(path)),
       id_(entry.tile),
       stored_(std::move(stored)),
+      period_(period),
       with_rows_(with_rows),
       part_(part),
       row_bytes_(tessera::row_bytes(stored_.schema)),
@@ -71,9 +73,9 @@ QueryTile::QueryTile(std::filesystem::path path, const TileEntry& entry, StoredT
            (cell_of_.size() + entry.own_points) * sizeof(std::int32_t);
 }
 
-CellIds QueryTile::ids(std::int32_t cell) const {
+CellIds QueryTile::ids(std::int32_t cell, const PeriodOffset& base) const {
   CellIds ids{no_id, no_id, no_id, no_id};
-  for (std::size_t k = 0; k < corners(); ++k) ids[k] = id_of(vertex(cell, k));
+  for (std::size_t k = 0; k < corners(); ++k) ids[k] = image(vertex(cell, k), base);
   std::sort(ids.begin(), ids.end());
   return ids;
 }
@@ -158,7 +160,7 @@ Result<std::int32_t> QueryTile::find(const CellIds& wanted) const {
   return error(Errc::corrupt, path_.string() +
                                   ": owns no vertex of a cell that another tile says it has; the first "
                                   "vertex of the cell is " +
-                                  to_string(wanted[0]));
+                                  to_string(plain(wanted[0])));
 }
 
 Error QueryTile::corrupt_cell(std::int32_t cell, const std::string& reason) const {

@@ -10,14 +10,17 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/result.h"
+#include "src/geometry/mesh/images.h"
 #include "src/geometry/mesh/tile_mesh.h"
 #include "src/result/tile_source.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera::query {
 
-// The source indices of a cell's vertices, sorted: the same in every tile that has the cell. In 2D the last is no_id.
+// The vertices of a cell, sorted: the same in every tile that has the cell. They are images (src/base/image.h), which
+// are source indices where no period is between a vertex and its point. In 2D the last is no_id.
 using CellIds = std::array<PointId, 4>;
 inline constexpr PointId no_id{~std::uint64_t{0}};
 
@@ -46,8 +49,17 @@ class QueryTile {
   }
   const Point& point(std::int32_t vertex) const { return mesh().points[static_cast<std::size_t>(vertex)]; }
   PointId id_of(std::int32_t vertex) const { return mesh().ids[static_cast<std::size_t>(vertex)]; }
+  PeriodOffset offset(std::int32_t vertex) const { return offset_of(mesh(), vertex); }
+  // The image that a vertex is after a shift back by `base`.
+  PointId image(std::int32_t vertex, const PeriodOffset& base = {}) const { return image_of(mesh(), vertex, base); }
+  const Period& period() const { return period_; }
   TileId owner(std::int32_t vertex) const { return mesh().owners[static_cast<std::size_t>(vertex)]; }
-  CellIds ids(std::int32_t cell) const;
+  // The cell's vertices after a shift back by `base`.
+  CellIds ids(std::int32_t cell, const PeriodOffset& base = {}) const;
+  // The same for all copies of a cell, in all tiles.
+  CellIds name(std::int32_t cell) const {
+    return ids(cell, base_offset(mesh(), {&mesh().cells[static_cast<std::size_t>(cell) * corners()], corners()}));
+  }
   // The tile in which the cell is main: the lowest that owns a vertex of it.
   TileId main_tile(std::int32_t cell) const;
 
@@ -75,11 +87,13 @@ class QueryTile {
   Error corrupt_cell(std::int32_t cell, const std::string& reason) const;
 
  private:
-  QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, bool with_rows, bool part);
+  QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, const Period& period, bool with_rows,
+            bool part);
 
   std::filesystem::path path_;
   TileId id_;
   StoredTile stored_;
+  Period period_;
   bool with_rows_, part_;
   std::size_t row_bytes_;
   HilbertKey key_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "src/geometry/mesh/image_order.h"
 #include "src/result/query/dual.h"
 #include "src/result/query/opened_result.h"
 
@@ -140,8 +141,10 @@ std::vector<std::int32_t> neighbours_in(const Around& of) {
   for (const std::int32_t cell : of.cells)
     for (std::size_t k = 0; k < tile.corners(); ++k)
       if (tile.vertex(cell, k) != of.vertex) neighbours.push_back(tile.vertex(cell, k));
-  std::sort(neighbours.begin(), neighbours.end(),
-            [&](std::int32_t a, std::int32_t b) { return tile.id_of(a) < tile.id_of(b); });
+  std::sort(neighbours.begin(), neighbours.end(), [&](std::int32_t a, std::int32_t b) {
+    return image_order(tile.mesh(), static_cast<std::size_t>(a)) <
+           image_order(tile.mesh(), static_cast<std::size_t>(b));
+  });
   neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
   return neighbours;
 }
@@ -185,7 +188,10 @@ Result<Neighbours> neighbours_of(const OpenedResult& result, PointId id, std::op
                   .ids = {},
                   .on_hull = found.closed && on_hull(found),
                   .final = found.final};
-  for (const std::int32_t v : neighbours_in(found)) told.ids.push_back(found.tile->id_of(v));
+  for (const std::int32_t v : neighbours_in(found)) {
+    const PointId near = found.tile->id_of(v);
+    if (near != told.vertex && (told.ids.empty() || told.ids.back() != near)) told.ids.push_back(near);
+  }
   return told;
 }
 

@@ -15,7 +15,7 @@ StoredTriangulation::StoredTriangulation(StoredTriangulation&&) noexcept = defau
 StoredTriangulation::~StoredTriangulation() = default;
 
 Result<StoredTriangulation> StoredTriangulation::open(const std::filesystem::path& out, const OpenOptions& options) {
-  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out, options.periods));
   return open(std::move(source), options);
 }
 
@@ -42,7 +42,8 @@ bool StoredTriangulation::knows(const Bounds& box) const { return query::knows(r
 
 Result<std::vector<Cell>> StoredTriangulation::locate(std::span<const Point> points, const AskOptions& options) const {
   std::vector<Cell> cells(points.size());
-  const Batch batch{.points = points, .threads = options.threads, .stop = options.stop};
+  const std::vector<Point> asked = result_->in_box(points);
+  const Batch batch{.points = asked, .threads = options.threads, .stop = options.stop};
   const auto visit = [&](Walker& walker, std::size_t i, const Located& located) -> Status {
     cells[i].final = located.final;
     if (!located.place) return success();

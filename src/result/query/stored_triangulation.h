@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/result/query/area.h"
@@ -26,6 +27,9 @@ struct OpenOptions {
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   // Also open regions. The caller must then look at `final` in each answer.
   bool parts = false;
+  // Also open periodic results. They answer locate(), details(), star(), neighbours() and interpolate() by the linear
+  // method; other questions are refused.
+  Periods periods = Periods::refused;
 };
 
 // Options of all queries for many things.
@@ -47,7 +51,8 @@ struct Cell {
 struct Vertex {
   PointId id;
   TileId owner;
-  Point at;
+  Point at;                  // of the image that is meant
+  PeriodOffset offset = {};  // how many periods the image lies away from the point
 };
 
 // A cell with its vertices and neighbours.
@@ -62,8 +67,8 @@ struct CellDetails {
 // A vertex with its cells and neighbours.
 struct Star {
   Vertex vertex;
-  std::vector<Cell> cells;
-  std::vector<Vertex> neighbors;  // by id
+  std::vector<Cell> cells;        // a cell with several images of the vertex comes several times
+  std::vector<Vertex> neighbors;  // by id; images of one point by offset
   // The volume of its Voronoi cell, in 2D the area, rounded. Infinite when the vertex is on the hull; NaN when a cell
   // around the vertex has no volume, which only damaged results have.
   double voronoi_volume = 0;
@@ -74,7 +79,7 @@ struct Star {
 struct Neighbours {
   PointId asked;             // the source index of the question
   PointId vertex;            // for a duplicate the kept point; else the same
-  std::vector<PointId> ids;  // source indices, ascending
+  std::vector<PointId> ids;  // source indices, ascending; each once, and without the vertex itself
   bool on_hull = false;
   bool final = true;  // these are all neighbours in the whole triangulation, too
 };

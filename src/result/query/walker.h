@@ -7,14 +7,19 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/result/query/tile_cache.h"
+#include "src/result/store/period.h"
 
 namespace tessera::query {
 
-// A cell in one of the tiles that have it; no tile: outside the hull.
+// A cell in one of the tiles that have it; no tile: outside the hull. In a periodic result the cell that is meant lies
+// `shift` periods away from where the tile has it.
 struct CellRef {
   const QueryTile* tile = nullptr;
   std::int32_t cell = -1;
+  PeriodOffset shift = {};
   explicit operator bool() const { return tile != nullptr; }
+  // Where corner k of the cell lies.
+  Point corner(std::size_t k) const { return tile->period().shifted(tile->point(tile->vertex(cell, k)), shift); }
 };
 
 // The cell that contains a point, and the facets on which the point lies.
@@ -29,7 +34,9 @@ class Walker {
  public:
   // `with_rows`: read tiles with the attributes of their vertices.
   Walker(TileCache& cache, const Manifest& manifest, bool with_rows)
-      : cache_(cache), steps_max_(manifest.cells + 1), with_rows_(with_rows) {}
+      : cache_(cache),
+        steps_max_((manifest.cells + 1) * (is_periodic(manifest) ? image::codes : 1)),
+        with_rows_(with_rows) {}
 
   // Returns a tile, which the walker pins. Errors: those of TileCache::get().
   Result<const QueryTile*> tile(TileId id);
@@ -45,7 +52,8 @@ class Walker {
   bool met_unknown() const { return met_unknown_; }
   bool met_unsure() const { return met_unsure_; }
   void forget_doubts() { met_unknown_ = met_unsure_ = false; }
-  // The same cell in another tile that owns one of its vertices. Error corrupt when that tile does not have it.
+  // The same cell in another tile that owns one of its vertices. Error corrupt when that tile does not have it. In a
+  // periodic result, of the tile's copies the one in which the least offset of the tile's own points is 0.
   Result<CellRef> same_in(CellRef place, TileId id);
   // The same cell in its main tile.
   Result<CellRef> main_place(CellRef place) { return same_in(place, place.tile->main_tile(place.cell)); }
@@ -66,6 +74,10 @@ class Walker {
  private:
   template <int d>
   Result<Located> walk(const Point& q, CellRef& at);
+  // The same cell in the tile that owns a vertex, in the copy in which that vertex is the point itself.
+  Result<CellRef> same_at(CellRef place, std::int32_t vertex);
+  // The same cell in a tile, after a shift back by `base`.
+  Result<CellRef> copy_in(CellRef place, TileId id, const PeriodOffset& base);
   // Returns the first of the cells around the face of `found` that has q in its interior.
   Result<Located> choose(const Point& q, const Located& found);
 
