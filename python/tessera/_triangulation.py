@@ -56,7 +56,8 @@ class Columns(typing.Mapping[str, "npt.NDArray[typing.Any]"]):
 
     t.columns["volume"] reads the values from all tiles. A column of cells has one value for each row of simplices(). A
     column of vertices has one value for each row of points(); the rows of duplicates are NaN (0 in columns of
-    integers).
+    integers). Of a periodic triangulation, a column of cells has the values of tile.cell_columns[name][~tile.ghost] of
+    all tiles, one after the other.
     """
 
     def __init__(self, triangulation: Triangulation):

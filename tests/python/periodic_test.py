@@ -56,6 +56,26 @@ class Periodic(unittest.TestCase):
         with self.assertRaisesRegex(tessera.UsageError, "periodic: the period -1 is negative"):
             tessera.triangulate(points, periodic=-1)
 
+    def test_columns_are_those_of_points_and_main_cells(self):
+        points = np.random.default_rng(4).integers(0, 2**20, (400, 3)) / 2**20
+        with tessera.triangulate(np.vstack([points, points[:10]]), periodic=1, tiles=4) as t:
+            self.assertEqual(t.measure(volume=True, voronoi=True, density=True).total, 1)
+            volumes, stars, cells = t.columns["volume"], t.columns["star_volume"], t.columns["voronoi_volume"]
+            self.assertEqual((volumes.shape, stars.shape), ((t.n_cells,), (410,)))
+            self.assertTrue(np.isnan(stars[400:]).all())
+            self.assertAlmostEqual(volumes.sum(), 1, places=12)
+            self.assertAlmostEqual(stars[:400].sum(), 4, places=12)
+            self.assertAlmostEqual(cells[:400].sum(), 1, places=12)
+            self.assertAlmostEqual((t.columns["density"] * stars)[:400].sum() / 4, 410, places=9)
+            end = 0
+            for tile in t:
+                np.testing.assert_array_equal(tile.attributes["star_volume"], stars[tile.ids])
+                main = tile.cell_columns["volume"][~tile.ghost]
+                np.testing.assert_array_equal(main, volumes[end : end + len(main)])
+                end += len(main)
+            with self.assertRaisesRegex(tessera.UsageError, "corners of periodic cells are images"):
+                t.simplices()
+
     def test_what_knows_no_periods_says_so(self):
         points = np.random.default_rng(3).integers(0, 64, (300, 2)) / 64
         with tessera.triangulate(points, periodic=1) as t:
