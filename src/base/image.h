@@ -110,7 +110,6 @@ inline TileId image_of(TileId id, const PeriodOffset& o) {
 // with smaller offsets.
 inline TileId rank_of(TileId id) { return {plain(id).value * image::codes + image::rank(offset_of(id))}; }
 
-
 // Sorts the images of a simplex, and shifts them so that the first has no offset: then all simplices that are the same
 // up to a shift are equal. The order is that of the source indices, and of images of one point that of their offsets,
 // which a shift does not change. REQUIRES: each two images are near each other.

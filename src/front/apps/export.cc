@@ -100,9 +100,10 @@ Command add_export(CLI::App& root) {
              "ply, obj, off, stl: write coordinates relative to the lower corner of the result's box, rounded down to "
              "whole numbers; the summary tells this corner. For programs that keep only 32 bits of a coordinate, and "
              "so lose centimetres in national grids");
-  add_value(command, "names", "NAMES",
-            "h5, fits, table, ndnet: which attributes and computed columns of vertices to write, by comma; default: all, "
-            "for ndnet density");
+  add_value(
+      command, "names", "NAMES",
+      "h5, fits, table, ndnet: which attributes and computed columns of vertices to write, by comma; default: all, "
+      "for ndnet density");
   add_switch(command, "index",
              "gpkg: leave out the spatial index; the file is written four times as fast, but maps draw it slowly", 0,
              false, true);

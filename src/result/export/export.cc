@@ -230,13 +230,13 @@ Result<std::uint64_t> estimate_export(const Manifest& manifest, const fs::path& 
 Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, StoredTile& cells,
                               std::span<const TileId> tiles, const fs::path& path, const ExportOptions& options,
                               std::stop_token stop) {
-  BOOST_OUTCOME_TRY(target, exports::find_free_target(path, options));
+  ExportOptions of_cells = options;
+  of_cells.cells_only = true;
+  BOOST_OUTCOME_TRY(target, exports::find_free_target(path, of_cells));
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
   if (target.folder && target.format->shape == exports::Shape::file)
     return error(Errc::usage, path.string() + ": is a folder or has no ending, and cells go to one file: add " +
                                   target.format->ending);
-  if (target.format->write != nullptr)
-    return error(Errc::usage, path.string() + ": " + target.format->name + " has all points of a result, not cells");
   const exports::MeshSource source{.out = out,
                                    .tiles = nullptr,
                                    .manifest = manifest,

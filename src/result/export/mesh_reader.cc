@@ -51,8 +51,8 @@ class Rows {
   // True if the format uses rows.
   bool wanted() const { return attributes_ || heights(); }
 
-  // Adds the offsets to a tile's rows, and sets the z of its points to their heights. The tile was read with rows if they are wanted. Error usage when a
-  // height is not finite.
+  // Adds the offsets to a tile's rows, and sets the z of its points to their heights. The tile was read with rows if
+  // they are wanted. Error usage when a height is not finite.
   Status lift(const MeshSource& source, StoredTile& tile) const {
     if (offsets_) widen(tile);
     if (!height_at_) return success();
@@ -160,7 +160,8 @@ class Facts {
                  source.tiles->period().any()) {}
   void declare(std::vector<Attribute>& columns) const {
     if (offsets_)  // such formats are for 2D results
-      for (const char* name : {"v0_offset_x", "v0_offset_y", "v1_offset_x", "v1_offset_y", "v2_offset_x", "v2_offset_y"})
+      for (const char* name :
+           {"v0_offset_x", "v0_offset_y", "v1_offset_x", "v1_offset_y", "v2_offset_x", "v2_offset_y"})
         columns.push_back({name, AttributeType::i8});
     if (edge_) columns.push_back({"longest_edge", AttributeType::f64});
     if (tile_) columns.push_back({"tile", AttributeType::u32});

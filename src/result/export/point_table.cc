@@ -51,7 +51,8 @@ Result<PointTable> PointTable::open(const MeshSource& source, const std::vector<
 
 void PointTable::add(std::string name, AttributeType type, std::string unit) {
   const auto taken = [&] {
-    return std::any_of(columns_.begin(), columns_.end(), [&](const TableColumn& column) { return column.name == name; });
+    return std::any_of(columns_.begin(), columns_.end(),
+                       [&](const TableColumn& column) { return column.name == name; });
   };
   while (taken()) name += '_';
   columns_.push_back({std::move(name), type, stride_, std::move(unit)});
@@ -76,10 +77,9 @@ Status PointTable::choose(const std::vector<std::string>& names) {
   for (const auto& name : wanted) {
     const auto found = column_of(manifest.schema, name);
     if (!found)
-      return error(Errc::usage, source_->out.string() + ": has no attribute or column '" + name + "' of its vertices; " +
-                                    option("names") + " can name " + names_of(manifest.schema));
-    if (!given.insert(name).second)
-      return error(Errc::usage, option("names") + ": names '" + name + "' twice");
+      return error(Errc::usage, source_->out.string() + ": has no attribute or column '" + name +
+                                    "' of its vertices; " + option("names") + " can name " + names_of(manifest.schema));
+    if (!given.insert(name).second) return error(Errc::usage, option("names") + ": names '" + name + "' twice");
     pieces_.push_back({found->offset, stride_, size_of(found->type)});
     add(name, found->type, unit_of(manifest, name));
   }

@@ -41,10 +41,10 @@ class PointTable {
   // How many points are at the place of the vertex.
   std::uint64_t points_at(PointId vertex) const;
 
-  // Calls `visit(rows)` with some rows at a time, packed, all in order. Rows wait in an unnamed file in `scratch`, which
-  // takes row_bytes() for each. Needs the memory of the largest tile, and some 100 MiB; with more than 10^9 points a
-  // 4096th of the table. Errors: those of reading; corrupt when the ids of the vertices are not those of the manifest;
-  // io; interrupted; those of `visit`.
+  // Calls `visit(rows)` with some rows at a time, packed, all in order. Rows wait in an unnamed file in `scratch`,
+  // which takes row_bytes() for each. Needs the memory of the largest tile, and some 100 MiB; with more than 10^9
+  // points a 4096th of the table. Errors: those of reading; corrupt when the ids of the vertices are not those of the
+  // manifest; io; interrupted; those of `visit`.
   Status for_each(const std::filesystem::path& scratch,
                   const std::function<Status(std::span<const std::byte>)>& visit) const;
 

@@ -54,7 +54,8 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
                                     " cells, but its list of tiles counts " + std::to_string(vertices) + " and " +
                                     std::to_string(main_cells));
   if (numbers_wanted || source.filter.active()) {
-    BOOST_OUTCOME_TRY(numbers, VertexNumbers::prepare(*source.tiles, source.filter, !source.format.corners, source.stop));
+    BOOST_OUTCOME_TRY(numbers,
+                      VertexNumbers::prepare(*source.tiles, source.filter, !source.format.corners, source.stop));
     selection.numbers = std::move(numbers);
   }
   const auto add_images = [&] {

@@ -42,10 +42,11 @@ Result<Target> find_target(const fs::path& path, const std::string& name) {
                                   " is a folder of arrays: give a name without an ending, and " +
                                   option("format", target.format->name));
   if (target.format->write != nullptr && target.folder)
-    return error(Errc::usage, path.string() + ": " + target.format->name +
-                                  " is one file: give a name that ends in " + target.format->ending);
+    return error(Errc::usage, path.string() + ": " + target.format->name + " is one file: give a name that ends in " +
+                                  target.format->ending);
   // The table of a .vrt has the same name, and so have the volumes of an .adj.
-  if (!target.folder && ending == target.format->ending2 && (target.format->open != nullptr || target.format->index_of_one))
+  if (!target.folder && ending == target.format->ending2 &&
+      (target.format->open != nullptr || target.format->index_of_one))
     target.path.replace_extension(target.format->ending);
   return target;
 }
@@ -101,6 +102,8 @@ Result<Target> find_free_target(const fs::path& path, const ExportOptions& optio
   if (options.local && !target.format->local)
     return error(Errc::usage, option("local", "true") + ": works only with ply, obj, off and stl; " +
                                   target.format->name + " keeps coordinates as they are");
+  if (target.format->write != nullptr && options.cells_only)
+    return error(Errc::usage, path.string() + ": " + target.format->name + " has all points of a result, not cells");
   if (target.format->write != nullptr && (options.max_edge || options.max_radius))
     return error(Errc::usage, option(options.max_edge ? "max-edge" : "max-radius") + ": leaves out cells, and " +
                                   target.format->name + " has what belongs to all of them");

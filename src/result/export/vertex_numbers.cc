@@ -43,7 +43,8 @@ Result<VertexNumbers> VertexNumbers::prepare(const TileSource& source, const Cel
     if (numbers.images_apart_) numbers.find_images(tile.mesh, index);
     const auto before = static_cast<std::ptrdiff_t>(shared.size());
     for (std::size_t i = 0; i < tile.mesh.ids.size(); ++i)
-      if (tile.mesh.point_ghost[i] != 0 && !numbers.is_image(tile.mesh, i)) shared.emplace_back(tile.mesh.ids[i], unknown);
+      if (tile.mesh.point_ghost[i] != 0 && !numbers.is_image(tile.mesh, i))
+        shared.emplace_back(tile.mesh.ids[i], unknown);
     std::sort(shared.begin() + before, shared.end());
     std::inplace_merge(shared.begin(), shared.begin() + before, shared.end());
     shared.erase(std::unique(shared.begin(), shared.end()), shared.end());

@@ -1,5 +1,5 @@
-// Numbers the vertices of an export from 0: own vertices tile by tile. In a periodic result an image that a cell has is a
-// vertex of its own; it follows the own vertices of the first tile whose cells have it.
+// Numbers the vertices of an export from 0: own vertices tile by tile. In a periodic result an image that a cell has is
+// a vertex of its own; it follows the own vertices of the first tile whose cells have it.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,9 @@
 
 namespace tessera::exports {
 
-// Remembers only the vertices that tiles share, 17 bytes each, and images, 24 bytes each; the others are counted. Order of calls with a filter:
-// prepare(), survey() for each tile, number_own() for each tile, of(). Without a filter: prepare(), number_own(), of().
+// Remembers only the vertices that tiles share, 17 bytes each, and images, 24 bytes each; the others are counted. Order
+// of calls with a filter: prepare(), survey() for each tile, number_own() for each tile, of(). Without a filter:
+// prepare(), number_own(), of().
 class VertexNumbers {
  public:
   VertexNumbers() = default;

@@ -20,17 +20,17 @@ namespace {
 constexpr std::size_t card_bytes = 80, fits_block = 2880, most_columns = 999;
 constexpr std::size_t name_bytes_most = 68;  // what a card has room for, between quotes
 
-// How FITS holds a type: tables have no unsigned integers of more than 8 bits, and no signed ones of 8. Such values have
-// another sign bit and say so in TZERO.
+// How FITS holds a type: tables have no unsigned integers of more than 8 bits, and no signed ones of 8. Such values
+// have another sign bit and say so in TZERO.
 struct FitsType {
   char code;
   const char* zero = nullptr;
 };
 
 FitsType fits_type(AttributeType type) {
-  constexpr FitsType types[] = {{'B'},        {'B', "-128"}, {'I', "32768"},
-                                {'I'},        {'J', "2147483648"}, {'J'},
-                                {'K', "9223372036854775808"}, {'K'}, {'E'}, {'D'}};
+  constexpr FitsType types[] = {
+      {'B'}, {'B', "-128"}, {'I', "32768"}, {'I'}, {'J', "2147483648"}, {'J'}, {'K', "9223372036854775808"},
+      {'K'}, {'E'},         {'D'}};
   return types[static_cast<int>(type)];
 }
 
@@ -133,9 +133,9 @@ void turn_row(const std::vector<TableColumn>& columns, std::span<std::byte> row)
 Result<Exported> write_fits(const MeshSource& source, const fs::path& path) {
   BOOST_OUTCOME_TRY(table, PointTable::open(source, source.options.names));
   if (table.columns().size() > most_columns)
-    return error(Errc::usage, source.out.string() + ": the table would have " +
-                                  std::to_string(table.columns().size()) + " columns, and FITS tables have at most " +
-                                  std::to_string(most_columns) + "; " + option("names") + " chooses some");
+    return error(Errc::usage, source.out.string() + ": the table would have " + std::to_string(table.columns().size()) +
+                                  " columns, and FITS tables have at most " + std::to_string(most_columns) + "; " +
+                                  option("names") + " chooses some");
   BOOST_OUTCOME_TRY(file, OutputFile::create(path));
   Stream stream(file, 0);
   stream.text(primary_header() + table_header(source, table));

@@ -170,11 +170,11 @@ NetStreams lay_out(Blocks& blocks, const MeshSource& source, const std::vector<s
   blocks.now(by_face(cells));  // how many faces of each dimension
   blocks.now(by_face(1));      // which of them are listed by their vertices
   streams.cells = &blocks.later((axes + 1) * cells * sizeof(std::uint32_t));
-  blocks.now(by_face(0));                                        // no lists of the faces around a vertex
-  blocks.now(padded("", (axes + 1) * (axes + 1) * 4));           // nor of faces around faces
-  blocks.now(numbers_of({1}));                                   // vertices have flags
-  blocks.later(vertices);                                        // all 0: nothing is written there
-  blocks.now(by_face(1));                                        // and so have cells
+  blocks.now(by_face(0));                               // no lists of the faces around a vertex
+  blocks.now(padded("", (axes + 1) * (axes + 1) * 4));  // nor of faces around faces
+  blocks.now(numbers_of({1}));                          // vertices have flags
+  blocks.later(vertices);                               // all 0: nothing is written there
+  blocks.now(by_face(1));                               // and so have cells
   streams.flags = &blocks.later(cells);
   blocks.now(numbers_of({static_cast<std::uint32_t>(fields.size())}));
   for (const auto& field : fields) {

@@ -142,9 +142,8 @@ std::string pvtu_index(const MeshHead& head, const std::vector<std::string>& fil
       "<PUnstructuredGrid GhostLevel=\"0\">\n<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" "
       "NumberOfComponents=\"3\"/>\n</PPoints>\n<PPointData>\n<PDataArray type=\"UInt64\" Name=\"id\"/>\n";
   for (const auto& column : head.columns)
-    text +=
-        std::string("<PDataArray type=\"") + vtk_type(column.type) + "\" Name=\"" + xml_text(column.name) +
-        (column.components > 1 ? "\" NumberOfComponents=\"" + std::to_string(column.components) : "") + "\"/>\n";
+    text += std::string("<PDataArray type=\"") + vtk_type(column.type) + "\" Name=\"" + xml_text(column.name) +
+            (column.components > 1 ? "\" NumberOfComponents=\"" + std::to_string(column.components) : "") + "\"/>\n";
   text +=
       "</PPointData>\n<PCellData>\n<PDataArray type=\"UInt32\" Name=\"tile\"/>\n"
       "<PDataArray type=\"Float64\" Name=\"longest_edge\"/>\n";

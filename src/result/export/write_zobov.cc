@@ -19,8 +19,11 @@ Error refuse(const MeshSource& source, const std::string& why) {
   return error(Errc::usage, source.out.string() + ": " + why);
 }
 
-Status check_zobov(const MeshSource& source, const std::string& column) {
+Status check_zobov(const MeshSource& source, const std::string& column, std::uint64_t most) {
   const Manifest& manifest = source.manifest;
+  if (const std::uint64_t points = manifest.vertices + manifest.duplicates; points > most)
+    return refuse(source, "has " + std::to_string(points) + " points, and the numbers in ZOBOV's files end at " +
+                              std::to_string(most));
   if (source.tiles->period().open_axes(manifest.dimension) > 0)
     return refuse(source,
                   "is not periodic along all axes, so points at its hull have cells without end, and ZOBOV's files "
@@ -32,10 +35,7 @@ Status check_zobov(const MeshSource& source, const std::string& column) {
   return success();
 }
 
-Status check_counts(const MeshSource& source, const PointTable& table, std::uint64_t most) {
-  if (table.rows() > most)
-    return refuse(source, "has " + std::to_string(table.rows()) + " points, and the numbers in ZOBOV's files end at " +
-                              std::to_string(most));
+Status check_places(const MeshSource& source, const PointTable& table) {
   const auto duplicates = table.duplicates();
   for (std::size_t i = zobov_most_at_one_place - 1; i < duplicates.size(); ++i)
     if (duplicates[i].kept == duplicates[i + 1 - zobov_most_at_one_place].kept)
@@ -96,9 +96,9 @@ Status write_volumes(const MeshSource& source, const PointTable& table, ZobovNum
 Result<Exported> write_zobov_files(const MeshSource& source, const fs::path& path, ZobovNumbers numbers,
                                    std::uint64_t most) {
   const std::string column = source.manifest.dimension == 2 ? "voronoi_area" : "voronoi_volume";
-  BOOST_OUTCOME_TRYV(check_zobov(source, column));
+  BOOST_OUTCOME_TRYV(check_zobov(source, column, most));
   BOOST_OUTCOME_TRY(table, PointTable::open(source, {column}));
-  BOOST_OUTCOME_TRYV(check_counts(source, table, most));
+  BOOST_OUTCOME_TRYV(check_places(source, table));
   BOOST_OUTCOME_TRY(volumes, OutputFile::create(path));
   BOOST_OUTCOME_TRY(neighbours, OutputFile::create(fs::path(path).replace_extension(".adj")));
   RowNumbers rows(source.manifest.points_read, table.rows());

@@ -3,7 +3,8 @@
 // Source: M. Neyrinck, ZOBOV: a parameter-free void-finding algorithm, MNRAS 386 (2008); the layout is what voztie.c of
 // ZOBOV writes, and what jozov.c reads:
 //   PREFIX.vol   i32 n, then n volumes, f32 (REVOLVER's programs: f64), in units of the mean
-//   PREFIX.adj   i32 n, n times i32: how many neighbours a point has; then, for each point, i32 k, and k times i32: those
+//   PREFIX.adj   i32 n, n times i32: how many neighbours a point has; then, for each point, i32 k, and k times i32:
+//   those
 //                of its neighbours that have a higher number
 #pragma once
 
