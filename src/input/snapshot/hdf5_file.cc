@@ -6,34 +6,14 @@
 #include <mutex>
 #include <utility>
 
+#include "src/base/hdf5/hdf5_library.h"
 #include "src/base/printable.h"
 #include "src/input/bytes/number_type.h"
-#include "src/input/snapshot/hdf5_library.h"
 
 namespace tessera::snapshot {
 namespace {
 
 using Call = const Hdf5Library*;
-
-// A handle of HDF5 that is closed at the end.
-class Handle {
- public:
-  using Close = herr_t (*)(hid_t);
-  Handle(hid_t id, Close close) : id_(id), close_(close) {}
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  Handle& operator=(Handle&&) = delete;
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  hid_t get() const { return id_; }
-  explicit operator bool() const { return id_ >= 0; }
-
- private:
-  hid_t id_;
-  Close close_;
-};
 
 // What HDF5 reads: the driver of these files.
 struct OpenFile {
@@ -108,33 +88,6 @@ hid_t driver(Call hdf5) {
   return id;
 }
 
-hid_t memory_type(Call hdf5, AttributeType type) {
-  using enum AttributeType;
-  switch (type) {
-    case u8:
-      return hdf5->H5T_NATIVE_UINT8_g;
-    case i8:
-      return hdf5->H5T_NATIVE_INT8_g;
-    case u16:
-      return hdf5->H5T_NATIVE_UINT16_g;
-    case i16:
-      return hdf5->H5T_NATIVE_INT16_g;
-    case u32:
-      return hdf5->H5T_NATIVE_UINT32_g;
-    case i32:
-      return hdf5->H5T_NATIVE_INT32_g;
-    case u64:
-      return hdf5->H5T_NATIVE_UINT64_g;
-    case i64:
-      return hdf5->H5T_NATIVE_INT64_g;
-    case f32:
-      return hdf5->H5T_NATIVE_FLOAT_g;
-    case f64:
-      return hdf5->H5T_NATIVE_DOUBLE_g;
-  }
-  return -1;
-}
-
 // The type of numbers of HDF5, if it is one of ours. Shorter floats become floats of four bytes.
 std::optional<AttributeType> type_in_file(Call hdf5, hid_t type) {
   const H5T_class_t kind = hdf5->H5Tget_class(type);
@@ -188,7 +141,7 @@ struct Hdf5File::Impl {
   Call hdf5;
   std::string path;
   hid_t file = -1;
-  std::map<std::string, Handle> tables = {};  // that were read; while a table is open, HDF5 keeps its last chunks
+  std::map<std::string, Hdf5Handle> tables = {};  // that were read; while a table is open, HDF5 keeps its last chunks
   ~Impl() {
     const std::lock_guard lock(hdf5_mutex());
     tables.clear();
@@ -201,7 +154,7 @@ struct Hdf5File::Impl {
     return hdf5->H5Lexists(at, name, H5P_DEFAULT) > 0 && hdf5->H5Lget_info(at, name, &info, H5P_DEFAULT) >= 0 &&
            info.type == H5L_TYPE_HARD;
   }
-  Handle group(const std::string& name) const {
+  Hdf5Handle group(const std::string& name) const {
     return {is_own_link(file, name.c_str()) ? hdf5->H5Gopen2(file, name.c_str(), H5P_DEFAULT) : -1, hdf5->H5Gclose};
   }
 
@@ -210,12 +163,12 @@ struct Hdf5File::Impl {
   hid_t table(const std::string& group_name, const std::string& name) {
     const std::string path = group_name + "/" + name;
     if (const auto found = tables.find(path); found != tables.end()) return found->second.get();
-    const Handle in = group(group_name);
+    const Hdf5Handle in = group(group_name);
     if (!in || !is_own_link(in.get(), name.c_str())) return -1;
     constexpr std::size_t places = 521, kept_bytes = std::size_t{32} << 20;
-    const Handle access(hdf5->H5Pcreate(hdf5->H5P_CLS_DATASET_ACCESS_ID_g), hdf5->H5Pclose);
+    const Hdf5Handle access(hdf5->H5Pcreate(hdf5->H5P_CLS_DATASET_ACCESS_ID_g), hdf5->H5Pclose);
     if (!access || hdf5->H5Pset_chunk_cache(access.get(), places, kept_bytes, 1) < 0) return -1;
-    Handle opened(hdf5->H5Dopen2(in.get(), name.c_str(), access.get()), hdf5->H5Dclose);
+    Hdf5Handle opened(hdf5->H5Dopen2(in.get(), name.c_str(), access.get()), hdf5->H5Dclose);
     const hid_t id = opened.get();
     if (opened) tables.emplace(path, std::move(opened));
     return id;
@@ -225,11 +178,11 @@ struct Hdf5File::Impl {
   std::optional<std::vector<Number>> attribute(const std::string& group_name, const std::string& name,
                                                hid_t type) const {
     const std::lock_guard lock(hdf5_mutex());
-    const Handle in = group(group_name);
+    const Hdf5Handle in = group(group_name);
     if (!in || hdf5->H5Aexists(in.get(), name.c_str()) <= 0) return std::nullopt;
-    const Handle attribute(hdf5->H5Aopen(in.get(), name.c_str(), H5P_DEFAULT), hdf5->H5Aclose);
+    const Hdf5Handle attribute(hdf5->H5Aopen(in.get(), name.c_str(), H5P_DEFAULT), hdf5->H5Aclose);
     if (!attribute) return std::nullopt;
-    const Handle space(hdf5->H5Aget_space(attribute.get()), hdf5->H5Sclose),
+    const Hdf5Handle space(hdf5->H5Aget_space(attribute.get()), hdf5->H5Sclose),
         stored(hdf5->H5Aget_type(attribute.get()), hdf5->H5Tclose);
     if (!space || !stored || !type_in_file(hdf5, stored.get())) return std::nullopt;
     const bool single = hdf5->H5Sget_simple_extent_ndims(space.get()) == 0;
@@ -253,7 +206,7 @@ Result<Hdf5File> Hdf5File::open(const ByteSource& source) {
   if (!library) return error(library.error().code, path + ": " + library.error().where);
   const std::lock_guard lock(hdf5_mutex());
   Call hdf5 = library.value();
-  const Handle access(hdf5->H5Pcreate(hdf5->H5P_CLS_FILE_ACCESS_ID_g), hdf5->H5Pclose);
+  const Hdf5Handle access(hdf5->H5Pcreate(hdf5->H5P_CLS_FILE_ACCESS_ID_g), hdf5->H5Pclose);
   const DriverInfo info{&source};
   if (!access || hdf5->H5Pset_driver(access.get(), driver(hdf5), &info) < 0)
     return error(Errc::internal, path + ": HDF5 takes no driver");
@@ -284,7 +237,7 @@ std::optional<std::vector<std::uint64_t>> Hdf5File::counts(const std::string& gr
 Result<std::vector<Dataset>> Hdf5File::datasets(const std::string& group_name) const {
   const std::lock_guard lock(hdf5_mutex());
   Call hdf5 = impl_->hdf5;
-  const Handle group = impl_->group(group_name);
+  const Hdf5Handle group = impl_->group(group_name);
   H5G_info_t info{};
   if (!group || hdf5->H5Gget_info(group.get(), &info) < 0)
     return error(Errc::bad_input, impl_->path + ": its group " + group_name + " cannot be read");
@@ -299,9 +252,9 @@ Result<std::vector<Dataset>> Hdf5File::datasets(const std::string& group_name) c
                                                  name.size(), H5P_DEFAULT);
     if (length <= 0 || static_cast<std::size_t>(length) >= name.size()) continue;
     if (!impl_->is_own_link(group.get(), name.data())) continue;
-    const Handle table(hdf5->H5Dopen2(group.get(), name.data(), H5P_DEFAULT), hdf5->H5Dclose);
+    const Hdf5Handle table(hdf5->H5Dopen2(group.get(), name.data(), H5P_DEFAULT), hdf5->H5Dclose);
     if (!table) continue;  // a group
-    const Handle space(hdf5->H5Dget_space(table.get()), hdf5->H5Sclose),
+    const Hdf5Handle space(hdf5->H5Dget_space(table.get()), hdf5->H5Sclose),
         stored(hdf5->H5Dget_type(table.get()), hdf5->H5Tclose),
         properties(hdf5->H5Dget_create_plist(table.get()), hdf5->H5Pclose);
     if (!space || !stored || !properties) continue;
@@ -328,17 +281,18 @@ Status Hdf5File::read(const std::string& group_name, const Dataset& dataset, std
   };
   const hid_t table = impl_->table(group_name, dataset.name);
   if (table < 0) return bad("has gone");
-  const Handle space(hdf5->H5Dget_space(table), hdf5->H5Sclose);
+  const Hdf5Handle space(hdf5->H5Dget_space(table), hdf5->H5Sclose);
   const int dimensions = space ? hdf5->H5Sget_simple_extent_ndims(space.get()) : 0;
   if (dimensions < 1 || dimensions > 2) return bad("has another shape than before");
   const std::array<hsize_t, 2> start{first_row, 0}, count{rows, dataset.columns};
-  const Handle memory(hdf5->H5Screate_simple(dimensions, count.data(), nullptr), hdf5->H5Sclose);
+  const Hdf5Handle memory(hdf5->H5Screate_simple(dimensions, count.data(), nullptr), hdf5->H5Sclose);
   if (!memory ||
       hdf5->H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0)
     return bad("has fewer rows than before");
   if (out.size() != rows * dataset.columns * size_of(dataset.type))
     return error(Errc::internal, "a buffer has another size than its rows");
-  if (hdf5->H5Dread(table, memory_type(hdf5, dataset.type), memory.get(), space.get(), H5P_DEFAULT, out.data()) < 0)
+  if (hdf5->H5Dread(table, hdf5_memory_type(*hdf5, dataset.type), memory.get(), space.get(), H5P_DEFAULT, out.data()) <
+      0)
     return bad("cannot be read: it is damaged or cut off");
   return success();
 }

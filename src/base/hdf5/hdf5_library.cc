@@ -1,4 +1,4 @@
-#include "src/input/snapshot/hdf5_library.h"
+#include "src/base/hdf5/hdf5_library.h"
 
 #include <dlfcn.h>
 
@@ -6,7 +6,7 @@
 
 #include "src/base/default_arithmetic.h"
 
-namespace tessera::snapshot {
+namespace tessera {
 namespace {
 
 Result<Hdf5Library> load() {
@@ -14,8 +14,7 @@ Result<Hdf5Library> load() {
   // HDF5 is never unloaded, because it registers what it does at the end of the program.
   void* const handle = ::dlopen(TESSERA_HDF5_SONAME, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr)
-    return error(Errc::io,
-                 std::string("snapshots in HDF5 need its library (Debian's package libhdf5-103-1): ") + ::dlerror());
+    return error(Errc::io, std::string("HDF5 needs its library (Debian's package libhdf5-103-1): ") + ::dlerror());
   Hdf5Library hdf5;
   const char* missing = nullptr;
   const auto find = [&]<class Function>(Function& function, const char* name) {
@@ -63,4 +62,31 @@ std::mutex& hdf5_mutex() {
   return mutex;
 }
 
-}  // namespace tessera::snapshot
+hid_t hdf5_memory_type(const Hdf5Library& hdf5, AttributeType type) {
+  using enum AttributeType;
+  switch (type) {
+    case u8:
+      return hdf5.H5T_NATIVE_UINT8_g;
+    case i8:
+      return hdf5.H5T_NATIVE_INT8_g;
+    case u16:
+      return hdf5.H5T_NATIVE_UINT16_g;
+    case i16:
+      return hdf5.H5T_NATIVE_INT16_g;
+    case u32:
+      return hdf5.H5T_NATIVE_UINT32_g;
+    case i32:
+      return hdf5.H5T_NATIVE_INT32_g;
+    case u64:
+      return hdf5.H5T_NATIVE_UINT64_g;
+    case i64:
+      return hdf5.H5T_NATIVE_INT64_g;
+    case f32:
+      return hdf5.H5T_NATIVE_FLOAT_g;
+    case f64:
+      return hdf5.H5T_NATIVE_DOUBLE_g;
+  }
+  return -1;
+}
+
+}  // namespace tessera

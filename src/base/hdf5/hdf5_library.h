@@ -5,10 +5,12 @@
 #include <hdf5.h>
 
 #include <mutex>
+#include <utility>
 
+#include "src/base/attribute.h"
 #include "src/base/result.h"
 
-namespace tessera::snapshot {
+namespace tessera {
 
 // clang-format off
 #define TESSERA_HDF5_FUNCTIONS(F) \
@@ -41,4 +43,27 @@ Result<const Hdf5Library*> hdf5_library();
 // Whoever calls the library holds this: not every build of HDF5 may be called by several threads.
 std::mutex& hdf5_mutex();
 
-}  // namespace tessera::snapshot
+// The type of numbers in memory.
+hid_t hdf5_memory_type(const Hdf5Library& hdf5, AttributeType type);
+
+// A handle of HDF5 that is closed at the end.
+class Hdf5Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Hdf5Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Hdf5Handle(const Hdf5Handle&) = delete;
+  Hdf5Handle& operator=(const Hdf5Handle&) = delete;
+  Hdf5Handle& operator=(Hdf5Handle&&) = delete;
+  ~Hdf5Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  hid_t get() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  Close close_;
+};
+
+}  // namespace tessera
