@@ -15,6 +15,7 @@
 #include "src/base/files/whole_file.h"
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
+#include "src/result/density/array_files.h"
 #include "src/result/density/gridding.h"
 #include "src/result/export/ending.h"
 #include "src/result/store/stamp.h"
@@ -31,40 +32,32 @@ namespace {
 // The fraction of the progress for cells; the rest is for writing.
 constexpr double cells_part = 0.9;
 
-bool is_image(const fs::path& target) { return exports::ending_of(target) != ".npy"; }
-
 std::function<void(double)> part_of(const GridOptions& options) {
   if (!options.progress) return {};
   return [&options](double done) { options.progress(cells_part * done); };
 }
 
-std::string band_name(const GridOptions& options) {
-  std::string names;
-  for (const auto& name : options.names) names += (names.empty() ? "" : ",") + name;
-  switch (options.kind) {
-    case GridKind::density:
-      return options.mass.empty() ? "density" : "density of " + options.mass;
-    case GridKind::field:
-      return names;
-    case GridKind::divergence:
-      return "divergence of " + names;
-    case GridKind::curl:
-      break;
-  }
-  return "curl of " + names;
+// A GeoTIFF has square pixels, and an edge between pixels at 0.
+Result<terrain::Grid> image_grid(const fs::path& target, const VoxelGrid& voxels) {
+  const auto res = voxels.res();
+  if (!res || voxels.axes[0].origin != 0 || voxels.axes[1].origin != 0)
+    return error(Errc::usage, target.string() +
+                                  ": the pixels of a GeoTIFF are squares, on a grid that all images of the same width "
+                                  "have; these are not. Write a .npy, .h5 or .fits, or give " +
+                                  option("res"));
+  return terrain::Grid{.res = *res,
+                       .column0 = voxels.first[0],
+                       .row0 = voxels.first[1],
+                       .width = voxels.size[0],
+                       .height = voxels.size[1]};
 }
 
 Result<std::uint64_t> write_image(const fs::path& target, const GridRequest& request, const GridOptions& options,
                                   Gridding& gridding, const std::stop_token& stop) {
-  const VoxelGrid& voxels = request.grid;
-  const terrain::Grid grid{.res = voxels.res,
-                           .column0 = voxels.first[0],
-                           .row0 = voxels.first[1],
-                           .width = voxels.size[0],
-                           .height = voxels.size[1]};
+  BOOST_OUTCOME_TRY(grid, image_grid(target, request.grid));
   BOOST_OUTCOME_TRY(file, terrain::CogFile::create(target, grid,
                                                    {.crs = crs_or_none(request.source.manifest().crs),
-                                                    .name = band_name(options),
+                                                    .name = labels_of(request, options).about,
                                                     .doubles = true,
                                                     .heights = false,
                                                     .cache_bytes = options.memory_bytes / 4,
@@ -87,35 +80,26 @@ Result<std::uint64_t> write_image(const fs::path& target, const GridRequest& req
   });
 }
 
-// {'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }
-std::string npy_head(const VoxelGrid& grid, std::size_t components) {
-  std::string shape;
-  for (int axis = grid.dimension - 1; axis >= 0; --axis)
-    shape += std::to_string(grid.size[static_cast<std::size_t>(axis)]) + ", ";
-  if (components > 1) shape += std::to_string(components) + ", ";
-  shape.resize(shape.size() - 2);
-  constexpr std::size_t bytes = 128, before = 10;
-  std::string head("\x93NUMPY\x01\x00\x76\x00", before);
-  head += "{'descr': '<f8', 'fortran_order': False, 'shape': (" + shape + "), }";
-  head.resize(bytes - 1, ' ');
-  return head + "\n";
+// Error usage when a GeoTIFF cannot hold the grid.
+Status check_image(const fs::path& out, const fs::path& target, const GridRequest& request) {
+  if (request.grid.dimension == 3)
+    return error(Errc::usage, target.string() + ": a GeoTIFF holds an image, but " + out.string() +
+                                  " is a 3D result; write a .npy, .h5 or .fits");
+  if (request.quantity.components() > 1)
+    return error(Errc::usage, target.string() + ": a GeoTIFF has room for one number a pixel, but the shear has " +
+                                  std::to_string(request.quantity.components()) + "; write a .npy, .h5 or .fits");
+  BOOST_OUTCOME_TRYV(image_grid(target, request.grid));
+  return success();
 }
 
-Result<std::uint64_t> write_array(const fs::path& target, const GridRequest& request, const GridOptions& options,
-                                  Gridding& gridding) {
-  const std::string head = npy_head(request.grid, request.quantity.components());
-  TemporaryFile temporary(temporary_name(target));
-  BOOST_OUTCOME_TRY(file, open_handle(temporary.path(), O_RDWR | O_CREAT | O_TRUNC, target));
-  BOOST_OUTCOME_TRYV(write_at(file.get(), std::as_bytes(std::span(head)), 0, target));
-  BOOST_OUTCOME_TRYV(
-      gridding.for_each_run(options.memory_bytes / 4, [&](std::uint64_t place, std::span<const double> values) {
-        return write_at(file.get(), std::as_bytes(values), head.size() + place * sizeof(double), target);
-      }));
-  BOOST_OUTCOME_TRY(bytes, size_of(file, target));
-  BOOST_OUTCOME_TRYV(publish(temporary.path(), target));
-  temporary.keep();
-  BOOST_OUTCOME_TRYV(sync_folder(target.has_parent_path() ? target.parent_path() : fs::path(".")));
-  return bytes;
+using WriteGrid = Result<std::uint64_t> (*)(const fs::path&, const GridRequest&, const GridOptions&, Gridding&);
+
+// What writes an array file with this ending; null for an image.
+WriteGrid array_writer(const fs::path& target) {
+  const std::string ending = exports::ending_of(target);
+  if (ending == ".npy") return write_npy;
+  if (ending == ".h5" || ending == ".hdf5") return write_hdf5;
+  return ending == ".fits" ? write_fits : nullptr;
 }
 
 }  // namespace
@@ -123,10 +107,12 @@ Result<std::uint64_t> write_array(const fs::path& target, const GridRequest& req
 std::string to_json(const GridFile& file) {
   using Json = nlohmann::ordered_json;
   const GridFacts& facts = file.facts;
-  Json size = Json::array(), origin = Json::array();
+  Json size = Json::array(), origin = Json::array(), widths = Json::array(), period = Json::array();
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(facts.dimension); ++axis) {
     size.push_back(facts.size[axis]);
     origin.push_back(facts.origin[axis]);
+    widths.push_back(facts.widths[axis]);
+    period.push_back(facts.period[axis]);
   }
   const auto number = [](const std::optional<double>& value) {
     return value && std::isfinite(*value) ? Json(*value) : Json();
@@ -135,7 +121,9 @@ std::string to_json(const GridFile& file) {
                     {"output", file.path.string()},
                     {"size", std::move(size)},
                     {"origin", std::move(origin)},
-                    {"res", facts.res},
+                    {"res", number(facts.res)},
+                    {"widths", std::move(widths)},
+                    {"period", std::move(period)},
                     {"components", facts.components},
                     {"known", facts.known},
                     {"mass", number(facts.mass)},
@@ -147,9 +135,9 @@ std::string to_json(const GridFile& file) {
 
 Status check_grid_target(const fs::path& target, bool overwrite) {
   const std::string ending = exports::ending_of(target);
-  if (ending != ".tif" && ending != ".tiff" && ending != ".npy")
+  if (ending != ".tif" && ending != ".tiff" && array_writer(target) == nullptr)
     return error(Errc::usage, target.string() + ": '" + ending +
-                                  "' is not a format of grids; the formats are .tif, for images, and .npy");
+                                  "' is not a format of grids; the formats are .npy, .h5, .fits, and for images .tif");
   return exports::check_free(target, overwrite);
 }
 
@@ -157,14 +145,15 @@ Result<GridFile> write_grid(const fs::path& out, const fs::path& target, const G
                             std::stop_token stop) {
   BOOST_OUTCOME_TRYV(check_grid_target(target, options.overwrite));
   BOOST_OUTCOME_TRY(request, check_request(out, options));
-  if (request.grid.dimension == 3 && is_image(target))
-    return error(Errc::usage,
-                 target.string() + ": a GeoTIFF holds an image, but " + out.string() + " is a 3D result; write a .npy");
+  const WriteGrid write_array = array_writer(target);
+  if (write_array == nullptr) {
+    BOOST_OUTCOME_TRYV(check_image(out, target, request));
+  }
   BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(temporary_name_of_process(target.string() + ".sums")));
   BOOST_OUTCOME_TRY(gridding, Gridding::begin(request, options, scratch.path(), stop));
   BOOST_OUTCOME_TRYV(gridding.run(part_of(options)));
-  BOOST_OUTCOME_TRY(bytes, is_image(target) ? write_image(target, request, options, gridding, stop)
-                                            : write_array(target, request, options, gridding));
+  BOOST_OUTCOME_TRY(bytes, write_array == nullptr ? write_image(target, request, options, gridding, stop)
+                                                  : write_array(target, request, options, gridding));
   return GridFile{target, gridding.facts(), bytes};
 }
 
@@ -175,8 +164,10 @@ Result<GridArray> draw_grid(const fs::path& out, const fs::path& scratch, const 
   const std::uint64_t values = voxels * request.quantity.components();
   if (values > values_max)
     return error(Errc::memory, out.string() + ": the grid has " + std::to_string(values) + " values, more than " +
-                                   std::to_string(values_max) + ": " + option("res") + " must be larger, or " +
-                                   option("bbox") + " smaller");
+                                   std::to_string(values_max) + ": " +
+                                   (options.shape.voxels.empty()
+                                        ? option("res") + " must be larger, or " + option("bbox") + " smaller"
+                                        : option("grid") + " must be smaller"));
   BOOST_OUTCOME_TRY(gridding, Gridding::begin(request, options, scratch, std::move(stop)));
   BOOST_OUTCOME_TRYV(gridding.run(part_of(options)));
   GridArray array;

@@ -5,7 +5,8 @@
 // voxel is the sum, over the cells that meet the voxel, of the integral of the linear function over the common part,
 // divided by the volume of the voxel (Powell, Abel, Journal of Computational Physics 297 (2015)). So the grid has the
 // mass of the points, if it covers all of them. Outside of the hull the density is 0. A field is averaged over the part
-// of the voxel that is in the hull, and has no value, NaN, outside.
+// of the voxel that is in the hull, and has no value, NaN, outside. A periodic cloud has no hull along its periodic
+// axes: there the grid covers the period, and what of a cell is beyond the border counts on the other side.
 #pragma once
 
 #include <array>
@@ -20,12 +21,12 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/result/density/quantity.h"
+#include "src/result/density/voxel_grid.h"
 
 namespace tessera::density {
 
 struct GridOptions {
-  double res = 1;                  // the width of a voxel, in units of the coordinates
-  std::optional<Bounds> box = {};  // default: the bounds of the result
+  GridShape shape = {};
   GridKind kind = GridKind::density;
   std::vector<std::string> names = {};  // the attributes of a field, or of a vector's components
   std::string mass = {};                // of a density: the attribute that has the masses; empty: each point has mass 1
@@ -41,9 +42,11 @@ struct GridFacts {
   int dimension = 3;
   std::array<std::int64_t, 3> size{1, 1, 1};  // in voxels, along x, y and z
   std::array<double, 3> origin{};             // the least corner of the grid
-  double res = 1;
-  std::size_t components = 1;  // 3 for the curl in 3D
-  std::uint64_t known = 0;     // voxels with a value
+  std::array<double, 3> widths{};             // of a voxel
+  std::optional<double> res = {};             // the same, if it is the same along all axes
+  std::array<double, 3> period{};             // of the result, 0 along an axis without a period
+  std::size_t components = 1;
+  std::uint64_t known = 0;  // voxels with a value
   // Of a density: the sum of the masses of all vertices, and of all voxels.
   std::optional<double> mass = {}, grid_mass = {};
   std::string note = {};  // what there is to say of the values; else empty
@@ -58,18 +61,18 @@ struct GridFile {
 // One line of JSON, without its end, for the command's output.
 std::string to_json(const GridFile& file);
 
-// Error usage when the name is not one of a GeoTIFF (.tif) or NumPy array (.npy), and for an existing file, unless
-// `overwrite` is set.
+// Error usage when the name is not one of a GeoTIFF (.tif), a NumPy array (.npy), HDF5 (.h5, .hdf5) or FITS (.fits),
+// and for an existing file, unless `overwrite` is set.
 Status check_grid_target(const std::filesystem::path& target, bool overwrite);
 
 // Writes `target`. A .tif is a Cloud Optimized GeoTIFF with 64 bits a pixel, for 2D results; its lines begin at the
 // top. A .npy is a NumPy array of 64-bit floats with the indices [y][x] or [z][y][x], all ascending, and one more index
-// for the components of a vector. The values depend only on the triangulation: every value is the same to the last bit
-// however the result is tiled, and in grids of different boxes. All tiles are read, those of points-only results
-// rebuilt (twice for a density). Sums are kept in a scratch file beside the target, with 48 bytes for each voxel that a
-// cell meets (and as much again for each component and for the volume of a field). The file is written whole or not at
-// all. Errors: usage, before anything is written; bad_input for a mass that is not finite; corrupt for a damaged tile;
-// memory; io; interrupted.
+// for the components of a vector. array_files.h describes a .h5 and a .fits. The values depend only on the
+// triangulation: every value is the same to the last bit however the result is tiled, and in grids of different boxes.
+// All tiles are read, those of points-only results rebuilt (twice for a density). Sums are kept in a scratch file
+// beside the target, with 48 bytes for each voxel that a cell meets (and as much again for each component and for the
+// volume of a field). The file is written whole or not at all. Errors: usage, before anything is written; bad_input for
+// a mass that is not finite; corrupt for a damaged tile; memory; io; interrupted.
 Result<GridFile> write_grid(const std::filesystem::path& out, const std::filesystem::path& target,
                             const GridOptions& options, std::stop_token stop);
 

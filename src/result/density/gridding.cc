@@ -9,8 +9,10 @@
 #include <numeric>
 #include <vector>
 
+#include "src/base/image.h"
 #include "src/base/on_threads.h"
 #include "src/base/option.h"
+#include "src/geometry/mesh/image_order.h"
 #include "src/geometry/mesh/tile_mesh.h"
 #include "src/result/density/shares.h"
 #include "src/result/measure/values.h"
@@ -28,7 +30,13 @@ constexpr std::uint64_t cells_max = std::uint64_t{1} << 38;
 
 Error stopped() { return error(Errc::interrupted, "interrupted while putting cells on a grid"); }
 
-// The corners of a cell in the order of their ids, so that everything has the same bits in all tiles.
+// The code of the vertex's offset (src/base/image.h).
+std::uint32_t code_of(const TileMesh& mesh, std::size_t vertex) {
+  return mesh.offsets.empty() ? 0 : mesh.offsets[vertex];
+}
+
+// The corners of a cell in their order (image_order.h), so that everything has the same bits in all tiles. Of the
+// copies of a cell in a periodic cloud this is the one whose first corner lies in the box.
 struct SortedCell {
   std::array<std::size_t, 4> vertices{};
   std::array<Point, 4> corners;
@@ -36,19 +44,20 @@ struct SortedCell {
   bool positive = true;                    // the sorted order
 };
 
-SortedCell sorted_cell(const TileMesh& mesh, std::span<const std::int32_t> vertices) {
+SortedCell sorted_cell(const TileMesh& mesh, const Period& period, std::span<const std::int32_t> vertices) {
   SortedCell cell;
   std::array<std::uint8_t, 4> order{0, 1, 2, 3};
-  const auto id = [&](std::uint8_t k) { return mesh.ids[static_cast<std::size_t>(vertices[k])]; };
+  const auto id = [&](std::uint8_t k) { return image_order(mesh, static_cast<std::size_t>(vertices[k])); };
   for (std::size_t i = 1; i < vertices.size(); ++i) {
     for (std::size_t j = i; j > 0 && id(order[j]) < id(order[j - 1]); --j) {
       std::swap(order[j], order[j - 1]);
       cell.positive = !cell.positive;
     }
   }
+  const PeriodOffset first = image::offset(code_of(mesh, static_cast<std::size_t>(vertices[order[0]])));
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     cell.vertices[k] = static_cast<std::size_t>(vertices[order[k]]);
-    cell.corners[k] = mesh.points[cell.vertices[k]];
+    cell.corners[k] = period.shifted(mesh.points[cell.vertices[k]], PeriodOffset{} - first);  // is not rounded
     if (mesh.dimension == 2) cell.corners[k].z = 0;
     cell.oriented[order[k]] = static_cast<std::uint8_t>(k);
   }
@@ -86,11 +95,23 @@ Status check_names(const GridOptions& options) {
   return success();
 }
 
+// Sums have places for the voxels of the manifest's bounds and their images alone.
+Status check_bounds(const TileSource& source, std::size_t index, const TileMesh& mesh) {
+  const Bounds& bounds = source.manifest().bounds;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    const Point p = source.period().shifted(mesh.points[v], PeriodOffset{} - image::offset(code_of(mesh, v)));
+    for (int axis = 0; axis < mesh.dimension; ++axis)
+      if (!(p[axis] >= bounds.lo[axis] && p[axis] <= bounds.hi[axis]))
+        return error(Errc::corrupt, source.file(index).string() + ": has a vertex outside of the manifest's bounds");
+  }
+  return success();
+}
+
 }  // namespace
 
 Result<GridRequest> check_request(const std::filesystem::path& out, const GridOptions& options) {
   BOOST_OUTCOME_TRYV(check_names(options));
-  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out, Periods::known));
   const Manifest& manifest = source.manifest();
   if (options.kind == GridKind::density && manifest.region)
     return error(Errc::usage, out.string() +
@@ -98,15 +119,13 @@ Result<GridRequest> check_request(const std::filesystem::path& out, const GridOp
                                   "need a whole triangulation");
   if (manifest.cells > cells_max) return error(Errc::usage, out.string() + ": has more cells than a grid can take");
   // A box without heights has infinite ones.
-  if (options.box && std::isfinite(options.box->lo.z) != (manifest.dimension == 3))
+  if (options.shape.box && std::isfinite(options.shape.box->lo.z) != (manifest.dimension == 3))
     return error(Errc::usage, option("bbox") + (manifest.dimension == 3 ? ": has 4 numbers, but a 3D result takes 6"
                                                                         : ": has 6 numbers, but a 2D result takes 4"));
   BOOST_OUTCOME_TRY(quantity, Quantity::find(out, manifest, options.kind, options.names));
-  BOOST_OUTCOME_TRY(
-      grid, voxels_over(manifest.dimension, options.res, options.box.value_or(manifest.bounds), manifest.bounds));
-  ScaledDouble volume = ScaledDouble::of(1);
-  for (int axis = 0; axis < manifest.dimension; ++axis) volume = volume * ScaledDouble::of(options.res);
-  return GridRequest{std::move(source), std::move(quantity), grid, volume};
+  BOOST_OUTCOME_TRY(grid,
+                    voxels_over(out.string(), manifest.dimension, source.period(), options.shape, manifest.bounds));
+  return GridRequest{std::move(source), std::move(quantity), grid};
 }
 
 Result<Gridding> Gridding::begin(const GridRequest& request, const GridOptions& options,
@@ -166,11 +185,7 @@ Status Gridding::run_field(const std::function<void(double)>& progress) {
 Status Gridding::put(std::size_t index, std::span<const ScaledDouble> densities) {
   const TileSource source = request_.source.stopped_by(stop_);
   BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = request_.quantity.needs_rows()}));
-  const Bounds& bounds = source.manifest().bounds;
-  for (const Point& p : tile.mesh.points)
-    for (int axis = 0; axis < tile.mesh.dimension; ++axis)
-      if (!(p[axis] >= bounds.lo[axis] && p[axis] <= bounds.hi[axis]))
-        return error(Errc::corrupt, source.file(index).string() + ": has a vertex outside of the manifest's bounds");
+  BOOST_OUTCOME_TRYV(check_bounds(source, index, tile.mesh));
   ThreadSums sums(request_.grid, sums_.sums());
   Status status = success();
   BOOST_OUTCOME_TRYV(
@@ -186,11 +201,11 @@ Status Gridding::put(std::size_t index, std::span<const ScaledDouble> densities)
 // `volume` is d! times the volume.
 Status Gridding::put_cell(const StoredTile& tile, std::span<const std::int32_t> vertices, const ScaledDouble& volume,
                           std::span<const ScaledDouble> densities, ThreadSums& sums) {
-  const SortedCell cell = sorted_cell(tile.mesh, vertices);
+  const SortedCell cell = sorted_cell(tile.mesh, request_.source.period(), vertices);
   const std::size_t corners = vertices.size(), components = request_.quantity.components();
   const auto points = std::span(cell.corners).first(corners);
   const ScaledDouble cell_volume = volume / ScaledDouble::of(corners == 3 ? 2 : 6);
-  std::optional<std::array<CellFunction, 3>> functions;  // of a cell that meets the grid
+  std::optional<CellFunctions> functions;  // of a cell that meets the grid
   Status status = success();
   std::uint64_t taken = 0;
   const auto take = [&](const CellShare& share) {
@@ -199,7 +214,7 @@ Status Gridding::put_cell(const StoredTile& tile, std::span<const std::int32_t> 
       functions =
           request_.quantity.in_cell(tile, std::span(cell.vertices).first(corners), points, signed_volume, densities);
     }
-    const ScaledDouble& unit = share.of_voxel ? request_.voxel_volume : cell_volume;
+    const ScaledDouble& unit = share.of_voxel ? voxel_volume_ : cell_volume;
     OrderFreeSum* const at = sums.at(share.at);
     for (std::size_t c = 0; c < components; ++c) {
       if ((*functions)[c].known)
@@ -224,9 +239,9 @@ Status Gridding::put_cell(const StoredTile& tile, std::span<const std::int32_t> 
 }
 
 double Gridding::value_of(const OrderFreeSum* sums, std::size_t component) const {
-  if (options_.kind == GridKind::density) return (sums[0].value() / request_.voxel_volume).value();
+  if (options_.kind == GridKind::density) return (sums[0].value() / voxel_volume_).value();
   const ScaledDouble volume = sums[request_.quantity.components()].value();
-  if (sums[component].spoiled() || !((volume / request_.voxel_volume).value() >= least_part)) return nan;
+  if (sums[component].spoiled() || !((volume / voxel_volume_).value() >= least_part)) return nan;
   return (sums[component].value() / volume).value();
 }
 
@@ -298,12 +313,15 @@ GridFacts Gridding::facts() const {
   const VoxelGrid& grid = request_.grid;
   GridFacts facts{.dimension = grid.dimension,
                   .size = grid.size,
-                  .res = grid.res,
+                  .res = grid.res(),
                   .components = request_.quantity.components(),
                   .known = known_,
                   .note = shared_->note};
-  for (std::size_t axis = 0; axis < static_cast<std::size_t>(grid.dimension); ++axis)
-    facts.origin[axis] = grid.plane(grid.first[axis]).at;
+  for (std::size_t axis = 0; axis < static_cast<std::size_t>(grid.dimension); ++axis) {
+    facts.origin[axis] = grid.axes[axis].plane(grid.first[axis]).at;
+    facts.widths[axis] = grid.axes[axis].width();
+    facts.period[axis] = request_.source.period().length[axis];
+  }
   if (options_.kind == GridKind::density) {
     facts.mass = shared_->mass.value().value();
     facts.grid_mass = grid_mass_.value().value();

@@ -28,7 +28,6 @@ struct GridRequest {
   TileSource source;
   Quantity quantity;
   VoxelGrid grid;
-  ScaledDouble voxel_volume;
 };
 
 // Errors: usage for wrong options, as write_grid(); those of opening a result.
@@ -65,6 +64,7 @@ class Gridding {
         scratch_(std::move(scratch)),
         stop_(std::move(stop)),
         sums_(std::move(sums)),
+        voxel_volume_(request.grid.voxel_volume()),
         shared_(std::make_unique<Shared>()) {}
 
   Status run_density(const std::function<void(double)>& progress);
@@ -81,6 +81,7 @@ class Gridding {
   std::filesystem::path scratch_;
   std::stop_token stop_;
   SumFile sums_;
+  ScaledDouble voxel_volume_;
   std::unique_ptr<Shared> shared_;
   std::uint64_t sums_bytes_ = 0;  // that a thread may hold
   std::uint64_t known_ = 0;

@@ -104,10 +104,12 @@ VoxelWeights::VoxelWeights(const VoxelGrid& grid, std::span<const Point> corners
     Wide value = 0;
     for (std::size_t axis = 0; axis < d; ++axis) {
       const Wide slope = component(gradients[k - 1], axis) / whole;
-      const Wide centre = (Wide(static_cast<double>(base[axis])) + Wide(0.5)) * Wide(grid.res);
+      const VoxelAxis& line = grid.axes[axis];
+      const Wide width = Wide(line.length) / Wide(static_cast<double>(line.count));
+      const Wide centre = Wide(line.origin) + (Wide(static_cast<double>(base[axis])) + Wide(0.5)) * width;
       value += slope * (centre - Wide(corners[0][static_cast<int>(axis)]));
-      step_[k][axis] = static_cast<Long>(Wide(slope * grid.res));
-      rest_step[axis] -= slope * grid.res;
+      step_[k][axis] = static_cast<Long>(Wide(slope * width));
+      rest_step[axis] -= slope * width;
     }
     at_base_[k] = static_cast<Long>(value);
     rest -= value;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "src/base/option.h"
 #include "src/result/query/column.h"
@@ -38,7 +39,27 @@ ScaledDouble sum_of(const ScaledDouble& a, const ScaledDouble& b, int sign = 1) 
       std::ldexp(a.fraction, a.exponent - exponent) + sign * std::ldexp(b.fraction, b.exponent - exponent), exponent);
 }
 
+std::string option_of(GridKind kind) {
+  return kind == GridKind::curl ? "curl" : kind == GridKind::shear ? "shear" : "divergence";
+}
+
+// The axes of the components of the shear, in their order.
+constexpr std::array<std::array<std::size_t, 2>, 2> shear_axes_2{{{0, 0}, {0, 1}}};
+constexpr std::array<std::array<std::size_t, 2>, 5> shear_axes_3{{{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}}};
+std::span<const std::array<std::size_t, 2>> shear_axes(int dimension) {
+  if (dimension == 2) return shear_axes_2;
+  return shear_axes_3;
+}
+
 }  // namespace
+
+std::string component_suffix(GridKind kind, int dimension, std::size_t component) {
+  constexpr std::string_view axes = "xyz";
+  if (components_of(kind, dimension) == 1) return "";
+  if (kind == GridKind::curl) return std::string("_") + axes[component];
+  const auto [i, j] = shear_axes(dimension)[component];
+  return std::string("_") + axes[i] + axes[j];
+}
 
 Result<Quantity> Quantity::find(const std::filesystem::path& out, const Manifest& manifest, GridKind kind,
                                 const std::vector<std::string>& names) {
@@ -49,10 +70,10 @@ Result<Quantity> Quantity::find(const std::filesystem::path& out, const Manifest
   const auto d = static_cast<std::size_t>(manifest.dimension);
   if (kind == GridKind::field && names.size() != 1)
     return error(Errc::usage, option("field") + ": takes the name of one attribute");
-  if ((kind == GridKind::divergence || kind == GridKind::curl) && names.size() != d)
-    return error(Errc::usage, option(kind == GridKind::curl ? "curl" : "divergence") + ": takes the names of " +
-                                  std::to_string(d) + " attributes, the components of a vector in " +
-                                  std::to_string(d) + "D, but got " + std::to_string(names.size()));
+  if (is_of_vector(kind) && names.size() != d)
+    return error(Errc::usage, option(option_of(kind)) + ": takes the names of " + std::to_string(d) +
+                                  " attributes, the components of a vector in " + std::to_string(d) + "D, but got " +
+                                  std::to_string(names.size()));
   for (const std::string& name : names) {
     BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, name));
     quantity.columns_.push_back(column);
@@ -60,11 +81,11 @@ Result<Quantity> Quantity::find(const std::filesystem::path& out, const Manifest
   return quantity;
 }
 
-std::array<CellFunction, 3> Quantity::in_cell(const StoredTile& tile, std::span<const std::size_t> vertices,
-                                              std::span<const Point> corners, const ScaledDouble& volume,
-                                              std::span<const ScaledDouble> densities) const {
-  if (kind_ == GridKind::divergence || kind_ == GridKind::curl) return derivative(tile, vertices, corners, volume);
-  std::array<CellFunction, 3> functions;
+CellFunctions Quantity::in_cell(const StoredTile& tile, std::span<const std::size_t> vertices,
+                                std::span<const Point> corners, const ScaledDouble& volume,
+                                std::span<const ScaledDouble> densities) const {
+  if (is_of_vector(kind_)) return derivative(tile, vertices, corners, volume);
+  CellFunctions functions;
   std::array<ScaledDouble, 4> values;
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     if (kind_ == GridKind::density) {
@@ -79,15 +100,15 @@ std::array<CellFunction, 3> Quantity::in_cell(const StoredTile& tile, std::span<
   return functions;
 }
 
-std::array<CellFunction, 3> Quantity::derivative(const StoredTile& tile, std::span<const std::size_t> vertices,
-                                                 std::span<const Point> corners, const ScaledDouble& volume) const {
-  std::array<std::array<ScaledDouble, 3>, 3> by{};  // by[i][j]: component i along axis j
+CellFunctions Quantity::derivative(const StoredTile& tile, std::span<const std::size_t> vertices,
+                                   std::span<const Point> corners, const ScaledDouble& volume) const {
+  Slopes by{};
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     std::array<double, 4> values{};
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       values[k] = columns_[i].value(tile.rows.data() + vertices[k] * row_bytes_);
       if (!std::isfinite(values[k])) {
-        std::array<CellFunction, 3> unknown;
+        CellFunctions unknown;
         for (auto& function : unknown) function.known = false;
         return unknown;
       }
@@ -95,17 +116,30 @@ std::array<CellFunction, 3> Quantity::derivative(const StoredTile& tile, std::sp
     by[i] = gradient_times_volume(corners, std::span(values).first(vertices.size()));
     for (auto& slope : by[i]) slope = slope / volume;
   }
-  std::array<CellFunction, 3> functions;
+  return of_slopes(by);
+}
+
+CellFunctions Quantity::of_slopes(const Slopes& by) const {
+  const std::size_t d = columns_.size(), vertices = d + 1;
+  ScaledDouble divergence;
+  for (std::size_t i = 0; i < d; ++i) divergence = sum_of(divergence, by[i][i]);
+  CellFunctions functions;
   if (kind_ == GridKind::divergence) {
-    ScaledDouble sum;
-    for (std::size_t i = 0; i < columns_.size(); ++i) sum = sum_of(sum, by[i][i]);
-    functions[0] = constant(sum, vertices.size());
+    functions[0] = constant(divergence, vertices);
+  } else if (kind_ == GridKind::shear) {
+    const ScaledDouble share = divergence / ScaledDouble::of(static_cast<double>(d));
+    std::size_t component = 0;
+    for (const auto& [i, j] : shear_axes(dimension_)) {
+      const ScaledDouble value =
+          i == j ? sum_of(by[i][i], share, -1) : sum_of(by[i][j], by[j][i]) / ScaledDouble::of(2);
+      functions[component++] = constant(value, vertices);
+    }
   } else if (dimension_ == 2) {
-    functions[0] = constant(sum_of(by[1][0], by[0][1], -1), vertices.size());
+    functions[0] = constant(sum_of(by[1][0], by[0][1], -1), vertices);
   } else {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-      functions[i] = constant(sum_of(by[k][j], by[j][k], -1), vertices.size());
+      functions[i] = constant(sum_of(by[k][j], by[j][k], -1), vertices);
     }
   }
   return functions;

@@ -1,4 +1,5 @@
-// What is put on a grid: a density, or a field that is linear in each cell, or the divergence or curl of one.
+// What is put on a grid: a density, or a field that is linear in each cell, or the divergence, curl or
+// shear of one.
 #pragma once
 
 #include <array>
@@ -17,7 +18,23 @@
 
 namespace tessera::density {
 
-enum class GridKind : std::uint8_t { density, field, divergence, curl };
+// The shear is the symmetric part of the gradient of a vector, without its trace: (d_i v_j + d_j v_i) / 2, less 1/d of
+// the divergence where i = j. Its last diagonal component is minus the sum of the others, and is left out. Source:
+// Cautun, van de Weygaert, The DTFE public software, arXiv:1105.0370 (2011).
+enum class GridKind : std::uint8_t { density, field, divergence, curl, shear };
+
+// Of a vector in this dimension, whose components are d attributes.
+constexpr bool is_of_vector(GridKind kind) {
+  return kind == GridKind::divergence || kind == GridKind::curl || kind == GridKind::shear;
+}
+// How many numbers a voxel has: of the curl 1 in 2D and 3 in 3D; of the shear 2, xx and xy, and 5, xx, xy, xz, yy, yz.
+constexpr std::size_t components_of(GridKind kind, int dimension) {
+  if (kind == GridKind::curl && dimension == 3) return 3;
+  if (kind == GridKind::shear) return dimension == 2 ? 2 : 5;
+  return 1;
+}
+// What is added to the name of the quantity: "_x" or "_xy", or "" if there is one component.
+std::string component_suffix(GridKind kind, int dimension, std::size_t component);
 
 // A linear function in a cell: its values at the vertices, times 2^exponent.
 struct CellFunction {
@@ -33,6 +50,9 @@ struct CellFunction {
   }
 };
 
+// The functions of a cell, one for each component.
+using CellFunctions = std::array<CellFunction, 5>;
+
 class Quantity {
  public:
   // `names`: nothing for a density, one attribute for a field, d attributes for the components of a vector. Error usage
@@ -41,19 +61,20 @@ class Quantity {
                                const std::vector<std::string>& names);
 
   GridKind kind() const { return kind_; }
-  std::size_t components() const { return kind_ == GridKind::curl && dimension_ == 3 ? 3 : 1; }
+  std::size_t components() const { return components_of(kind_, dimension_); }
   bool needs_rows() const { return kind_ != GridKind::density; }
 
-  // The functions in a cell, one for each component. `vertices` are the cell's, in the order of their ids; `corners`
+  // The functions in a cell. `vertices` are the cell's, in the order of their ids; `corners`
   // their coordinates; `volume` is d! times the signed volume of `corners`. `densities` are those of the tile's
   // vertices if the kind is density, else empty.
-  std::array<CellFunction, 3> in_cell(const StoredTile& tile, std::span<const std::size_t> vertices,
-                                      std::span<const Point> corners, const ScaledDouble& volume,
-                                      std::span<const ScaledDouble> densities) const;
+  CellFunctions in_cell(const StoredTile& tile, std::span<const std::size_t> vertices, std::span<const Point> corners,
+                        const ScaledDouble& volume, std::span<const ScaledDouble> densities) const;
 
  private:
-  std::array<CellFunction, 3> derivative(const StoredTile& tile, std::span<const std::size_t> vertices,
-                                         std::span<const Point> corners, const ScaledDouble& volume) const;
+  using Slopes = std::array<std::array<ScaledDouble, 3>, 3>;  // [i][j]: of component i along axis j
+  CellFunctions derivative(const StoredTile& tile, std::span<const std::size_t> vertices,
+                           std::span<const Point> corners, const ScaledDouble& volume) const;
+  CellFunctions of_slopes(const Slopes& by) const;
 
   GridKind kind_ = GridKind::density;
   int dimension_ = 3;

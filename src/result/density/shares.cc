@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -32,18 +33,31 @@ VoxelRanges around(const VoxelGrid& grid, std::span<const Point> corners) {
       lo = std::min(lo, p[axis]);
       hi = std::max(hi, p[axis]);
     }
-    const std::int64_t from = grid.voxel_of(lo);
-    ranges[static_cast<std::size_t>(axis)] = {from, std::max(from, grid.voxel_below(hi))};
+    const VoxelAxis& line = grid.axes[static_cast<std::size_t>(axis)];
+    const std::int64_t from = line.voxel_of(lo);
+    ranges[static_cast<std::size_t>(axis)] = {from, std::max(from, line.voxel_below(hi))};
   }
   return ranges;
 }
 
-// What of the ranges is in the grid; nothing when that is empty.
+std::int64_t floored_quotient(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
+
+// What of the ranges is in the grid; nothing when that is empty. Along a periodic axis voxels between two copies of the
+// grid are left in.
 std::optional<VoxelRanges> within(const VoxelGrid& grid, VoxelRanges ranges) {
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(grid.dimension); ++axis) {
-    ranges[axis].from = std::max(ranges[axis].from, grid.first[axis]);
-    ranges[axis].to = std::min(ranges[axis].to, grid.first[axis] + grid.size[axis] - 1);
-    if (ranges[axis].from > ranges[axis].to) return std::nullopt;
+    VoxelRange& range = ranges[axis];
+    const std::int64_t first = grid.first[axis], last = first + grid.size[axis] - 1;
+    std::int64_t least_copy = 0, greatest_copy = 0;  // of the grid
+    if (const std::int64_t period = grid.axes[axis].periodic ? grid.axes[axis].count : 0; period > 0) {
+      least_copy = -floored_quotient(last - range.from, period);
+      greatest_copy = floored_quotient(range.to - first, period);
+      least_copy *= period;
+      greatest_copy *= period;
+    }
+    range.from = std::max(range.from, first + least_copy);
+    range.to = std::min(range.to, last + greatest_copy);
+    if (range.from > range.to) return std::nullopt;
   }
   return ranges;
 }
@@ -98,7 +112,7 @@ class Slicer {
   }
 
   Weights<Number, corners> distances(std::size_t axis, std::int64_t i) const {
-    const GridPlane plane = grid_.plane(i);
+    const GridPlane plane = grid_.axes[axis].plane(i);
     Weights<Number, corners> made;
     for (std::size_t k = 0; k < corners; ++k)
       made[k] = (Number(cell_[k][static_cast<int>(axis)]) - Number(plane.at)) - Number(plane.rest);
@@ -110,11 +124,12 @@ class Slicer {
     const VoxelRange& all = all_[axis];
     if (all.from == all.to) return all;
     constexpr double slack = 0x1p-20;
+    const double width = grid_.axes[axis].width();
     const auto distance = distances(axis, all.from);
     double lo = 0, hi = 0;
     bool first = true;
     for (const auto& point : shape.points()) {
-      const double at = static_cast<double>(mean_of(point, distance)) / grid_.res;
+      const double at = static_cast<double>(mean_of(point, distance)) / width;
       lo = first ? at : std::min(lo, at);
       hi = first ? at : std::max(hi, at);
       first = false;
@@ -143,9 +158,19 @@ void slice(const VoxelGrid& grid, std::span<const Point> corners, const VoxelRan
     Slicer<Number, Polyhedron>(grid, corners, all, wanted, take).cut();
 }
 
+// Takes shares in all of space, and gives `take` those of the grid, as voxels of the grid.
+TakeShare in_grid(const VoxelGrid& grid, const TakeShare& take) {
+  if (!grid.periodic()) return std::ref(take);
+  return [&grid, &take](const CellShare& share) {
+    CellShare moved = share;
+    return !grid.find(moved.at) || take(moved);
+  };
+}
+
 }  // namespace
 
-void mean_shares(const VoxelGrid& grid, std::span<const Point> corners, const TakeShare& take) {
+void mean_shares(const VoxelGrid& grid, std::span<const Point> corners, const TakeShare& take_in_grid) {
+  const TakeShare take = in_grid(grid, take_in_grid);
   const VoxelRanges all = around(grid, corners);
   const auto wanted = within(grid, all);
   if (!wanted) return;
@@ -167,7 +192,8 @@ void mean_shares(const VoxelGrid& grid, std::span<const Point> corners, const Ta
 }
 
 void sample_shares(const VoxelGrid& grid, std::span<const Point> corners, std::span<const std::uint8_t> oriented,
-                   const TakeShare& take) {
+                   const TakeShare& take_in_grid) {
+  const TakeShare take = in_grid(grid, take_in_grid);
   VoxelRanges ranges = around(grid, corners);
   for (std::size_t axis = 0; axis + 1 < corners.size(); ++axis) {
     // A rounded centre may be on the plane between two voxels.
@@ -181,11 +207,11 @@ void sample_shares(const VoxelGrid& grid, std::span<const Point> corners, std::s
   Point centre;
   const auto [x, y, z] = *wanted;
   for (share.at[2] = z.from; share.at[2] <= z.to; ++share.at[2]) {
-    if (grid.dimension == 3) centre.z = grid.centre(share.at[2]);
+    if (grid.dimension == 3) centre.z = grid.axes[2].centre(share.at[2]);
     for (share.at[1] = y.from; share.at[1] <= y.to; ++share.at[1]) {
-      centre.y = grid.centre(share.at[1]);
+      centre.y = grid.axes[1].centre(share.at[1]);
       for (share.at[0] = x.from; share.at[0] <= x.to; ++share.at[0]) {
-        centre.x = grid.centre(share.at[0]);
+        centre.x = grid.axes[0].centre(share.at[0]);
         if (!cell.has(centre)) continue;
         share.weights = cell.weights(centre);
         if (!take(share)) return;

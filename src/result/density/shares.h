@@ -22,7 +22,8 @@ struct CellShare {
 // Returns false when no more shares are wanted.
 using TakeShare = std::function<bool(const CellShare&)>;
 
-// Calls `take` for each voxel of the grid that the cell meets. `corners` are the cell's d + 1 vertices, positively
+// Calls `take` for each voxel of the grid that the cell meets; along a periodic axis the cell stands for all of its
+// copies, and a voxel may come several times. `corners` are the cell's d + 1 vertices, positively
 // oriented or not. The bits of a share depend only on the corners with their order, on the voxel, and on the width of
 // voxels. A part is right to some 2^-46 of the volume of the cell or of a voxel, whichever is less, however flat the
 // cell is; and the parts of a cell add up to the cell to the same accuracy. A part that only touches a voxel may come
