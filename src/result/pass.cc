@@ -31,8 +31,10 @@ struct Sent {
 };
 
 // Returns the receivers of the tile's own vertices. A tile has exactly the cells with a vertex of its own. So the other
-// owners of a cell's vertices are the tiles that have the cell, too.
-std::vector<Sent> receivers(const TileMesh& mesh, TileId self) {
+// owners of a cell's vertices are the tiles that have the cell, too. If a foreign vertex is an image of an own one,
+// this tile has another copy of the cell, in which the cell's other vertices are images: then the tile is its own
+// receiver.
+std::vector<Sent> receivers(const TileMesh& mesh) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   std::vector<Sent> sent;
   std::size_t sorted = 0;
@@ -43,8 +45,9 @@ std::vector<Sent> receivers(const TileMesh& mesh, TileId self) {
   };
   for (std::size_t at = 0; at < mesh.cells.size(); at += corners) {
     for (std::size_t k = 0; k < corners; ++k) {
-      const TileId to = mesh.owners[static_cast<std::size_t>(mesh.cells[at + k])];
-      if (to == self) continue;
+      const auto other = static_cast<std::size_t>(mesh.cells[at + k]);
+      if (mesh.point_ghost[other] == 0) continue;
+      const TileId to = mesh.owners[other];
       for (std::size_t i = 0; i < corners; ++i) {
         const std::int32_t v = mesh.cells[at + i];
         if (mesh.point_ghost[static_cast<std::size_t>(v)] == 0) sent.push_back({to, v});
@@ -137,7 +140,7 @@ Status Pass::put_down(std::size_t index, const StoredTile& tile, const PassValue
 // A record is an id and a row of the columns of vertices.
 Status Pass::send(std::size_t index, const StoredTile& tile, const PassValues& values) {
   if (row_bytes() == 0) return success();
-  const auto sent = receivers(tile.mesh, source_.entry(index).tile);
+  const auto sent = receivers(tile.mesh);
   std::vector<std::byte> records;
   for (std::size_t i = 0; i < sent.size(); ++i) {
     const auto vertex = static_cast<std::size_t>(sent[i].vertex);
@@ -180,6 +183,16 @@ Result<PassValues> Pass::read_values(std::size_t index) const {
   return values;
 }
 
+// `row` begins with the values of the columns of vertices.
+void Pass::fill_row(std::span<const std::byte> row, std::size_t vertex, PassValues& values) const {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].of_cells) continue;
+    const std::size_t size = size_of(columns_[c].as.type);
+    std::memcpy(&values[c][vertex * size], row.data(), size);
+    row = row.subspan(size);
+  }
+}
+
 Status Pass::fill_foreign(std::size_t index, PassValues& values) const {
   BOOST_OUTCOME_TRY(tile, source_.read(index, {.cells = false}));
   const TileMesh& mesh = tile.mesh;
@@ -200,17 +213,13 @@ Status Pass::fill_foreign(std::size_t index, PassValues& values) const {
     for (std::size_t at = 0; at + record <= read; at += record) {
       PointId id;
       std::memcpy(&id, &buffer[at], sizeof id);
-      const auto found = std::lower_bound(foreign.begin(), foreign.end(), std::pair(id, std::size_t{0}));
+      auto found = std::lower_bound(foreign.begin(), foreign.end(), std::pair(id, std::size_t{0}));
       if (found == foreign.end() || found->first != id)
         return contradiction(source_, index, id,
                              "is missing, though its tile has a cell that belongs in this tile, too");
-      filled[static_cast<std::size_t>(found - foreign.begin())] = 1;
-      std::size_t from = at + sizeof id;
-      for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (columns_[c].of_cells) continue;
-        const std::size_t size = size_of(columns_[c].as.type);
-        std::memcpy(&values[c][found->second * size], &buffer[from], size);
-        from += size;
+      for (; found != foreign.end() && found->first == id; ++found) {  // the images of the point
+        filled[static_cast<std::size_t>(found - foreign.begin())] = 1;
+        fill_row(std::span(buffer).subspan(at + sizeof id), found->second, values);
       }
     }
     if (read < buffer.size()) break;

@@ -3,9 +3,10 @@
 // The computation returns columns. For a tile it computes the values of all cells of the tile, and of the tile's own
 // vertices, all of whose cells the tile has. A cell that several tiles have must get the same value in each of them.
 // Values of foreign vertices come from the tiles that own them: a tile sends the values of a vertex to every tile that
-// has one of the vertex's cells, because exactly these tiles have the vertex as a foreign one. Values, and what tiles
-// send, are kept in a scratch folder, one file a tile. Memory holds only the tiles that are being worked on, and their
-// values.
+// has one of the vertex's cells, because exactly these tiles have the vertex as a foreign one. In a periodic result
+// the tile itself can be among these tiles, and all images of a point get the values of the point. Values, and what
+// tiles send, are kept in a scratch folder, one file a tile. Memory holds only the tiles that are being worked on, and
+// their values.
 #pragma once
 
 #include <array>
@@ -68,6 +69,7 @@ class Pass {
   Status append(std::size_t to, std::span<const std::byte> records);
   Result<PassValues> read_values(std::size_t index) const;
   Status fill_foreign(std::size_t index, PassValues& values) const;
+  void fill_row(std::span<const std::byte> row, std::size_t vertex, PassValues& values) const;
   std::size_t row_bytes() const;  // of the values that are sent with a vertex, without its id
 
   TileSource source_;

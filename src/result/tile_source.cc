@@ -52,8 +52,8 @@ std::string difference(const Manifest& manifest, const TileEntry& entry, const S
 Status check_period(const fs::path& out, const Manifest& manifest, Periods periods) {
   if (periods == Periods::known || !period_of(manifest).any()) return success();
   return error(Errc::usage, out.string() +
-                                ": holds the triangulation of a periodic cloud, which can be verified, described, "
-                                "materialised, and read by the library, and nothing else yet");
+                                ": holds the triangulation of a periodic cloud, which can be verified, measured, "
+                                "described, materialised, and read by the library, and nothing else yet");
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ void finish(const Measures& measures, std::vector<ResultColumn>& columns, Measur
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
   BOOST_OUTCOME_TRYV(check_measure_options(options));
   // Also when the columns exist: this removes what an ended writer has left, and older versions.
-  BOOST_OUTCOME_TRY(next, NewVersion::begin(out, {.lock = options.lock, .keep = {}, .periods = Periods::refused}));
+  BOOST_OUTCOME_TRY(next, NewVersion::begin(out, {.lock = options.lock, .keep = {}, .periods = Periods::known}));
   const Manifest& manifest = next->source().manifest();
   if ((options.voronoi || options.density) && manifest.region)
     return error(Errc::usage, out.string() + ": is a region, where not all cells around a vertex are known; " +

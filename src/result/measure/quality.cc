@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "src/geometry/mesh/image_order.h"
 #include "src/result/measure/cell_quality.h"
 #include "src/result/measure/values.h"
 
@@ -65,14 +66,14 @@ class Quality final : public TileMeasure {
     std::uint64_t infinite_ = 0;
   };
 
-  // By the vertices in the order of their ids, so that a cell has the same bits in all tiles.
+  // By the vertices in their order, so that a cell has the same bits in all tiles.
   static CellQuality quality_of_cell(const TileMesh& mesh, std::span<const std::int32_t> vertices,
                                      const ScaledInteger& exact) {
     std::array<std::int32_t, 4> sorted{};
     std::copy(vertices.begin(), vertices.end(), sorted.begin());
     const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(vertices.size());
     std::sort(sorted.begin(), end, [&](std::int32_t a, std::int32_t b) {
-      return mesh.ids[static_cast<std::size_t>(a)] < mesh.ids[static_cast<std::size_t>(b)];
+      return image_order(mesh, static_cast<std::size_t>(a)) < image_order(mesh, static_cast<std::size_t>(b));
     });
     std::array<Point, 4> corners;
     for (std::size_t k = 0; k < vertices.size(); ++k) {

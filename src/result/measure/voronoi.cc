@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "src/geometry/mesh/image_order.h"
 #include "src/geometry/predicates/exact/predicates.h"
 #include "src/result/measure/values.h"
 #include "src/result/measure/voronoi_part.h"
@@ -76,8 +77,8 @@ class VoronoiCells {
     return part.volume > 0 && 32 * epsilon * part.doubt <= accepted * query::rounded(part.volume);
   }
 
-  // In 2D, finds the neighbours counterclockwise, from the one with the least source index: so sums over them have the
-  // same bits wherever the cells are stored. Returns false when the cells around the vertex are not a ring: it is on
+  // In 2D, finds the neighbours counterclockwise, from the least one (image_order.h): so sums over them have the same
+  // bits wherever the cells are stored. Returns false when the cells around the vertex are not a ring: it is on
   // the hull, or not all cells are known.
   bool find_ring(std::size_t vertex, std::span<const std::uint32_t> star) {
     ring_.clear();
@@ -88,14 +89,11 @@ class VoronoiCells {
       return k;
     };
     std::uint32_t first = star.front();
-    PointId least{std::numeric_limits<std::uint64_t>::max()};
-    for (const std::uint32_t cell : star) {
-      const auto next = static_cast<std::size_t>(vertex_at(cell, (corner_of(cell) + 1) % 3));
-      if (mesh_.ids[next] < least) {
-        least = mesh_.ids[next];
-        first = cell;
-      }
-    }
+    const auto next_to = [&](std::uint32_t cell) {
+      return image_order(mesh_, static_cast<std::size_t>(vertex_at(cell, (corner_of(cell) + 1) % 3)));
+    };
+    for (const std::uint32_t cell : star)
+      if (next_to(cell) < next_to(first)) first = cell;
     std::uint32_t cell = first;
     do {
       const std::size_t own = corner_of(cell);
@@ -149,8 +147,8 @@ class VoronoiCells {
     return border;
   }
 
-  // The other corners in the order of their ids, but for the last two, which give the orientation. So a part has the
-  // same bits wherever the cell is stored.
+  // The other corners in their order (image_order.h), but for the last two, which give the orientation. So a part has
+  // the same bits wherever the cell is stored.
   std::array<std::int32_t, 3> others_of(std::size_t vertex, std::uint32_t cell) const {
     std::array<std::int32_t, 3> others{};
     std::size_t own = 0, count = 0;
@@ -161,10 +159,10 @@ class VoronoiCells {
         others[count++] = vertex_at(cell, k);
     }
     bool odd = own % 2 == 1;  // moving the vertex to the front swaps it with each corner before it
-    const auto id = [&](std::int32_t v) { return mesh_.ids[static_cast<std::size_t>(v)]; };
+    const auto order = [&](std::int32_t v) { return image_order(mesh_, static_cast<std::size_t>(v)); };
     for (std::size_t i = 0; i + 1 < count; ++i) {
       for (std::size_t j = count - 1; j > i; --j) {
-        if (!(id(others[j]) < id(others[j - 1]))) continue;
+        if (!(order(others[j]) < order(others[j - 1]))) continue;
         std::swap(others[j], others[j - 1]);
         odd = !odd;
       }
