@@ -14,5 +14,6 @@
 #include "tessera/triangulation.h"
 #include "tessera/update.h"
 #include "tessera/version.h"
+#include "tessera/voids.h"
 #include "tessera/volumes.h"
 #include "tessera/voronoi.h"

@@ -100,6 +100,9 @@ struct MeasureReport {
   std::string note;  // a sentence about the values, or ""
 };
 
+class VoidsRequest;
+struct FoundVoids;
+
 // One version of a finished result. If another program changes the result, open the folder again to see the change.
 // Copies are cheap and share the folder. Const functions may be called from several threads at once.
 class TESSERA_PUBLIC Triangulation {
@@ -145,6 +148,11 @@ class TESSERA_PUBLIC Triangulation {
   // its copies stay at the old version. Failure: usage when the request asks for nothing, and when another program is
   // changing the folder; corrupt, io, memory, interrupted.
   MeasureReport measure(const MeasureRequest& request);
+  // Finds voids (voids.h, which has the two types), computes the columns that this needs, and adds the column of zones
+  // to the folder, as a new version of the result, unless the result has it. This object becomes the new version.
+  // Failure: as of measure(); also usage for another density, a target that exists, and a region; bad_input for a
+  // density that is negative.
+  FoundVoids find_voids(const VoidsRequest& request);
   // Returns one JSON object, the output of `tessera info --json`.
   std::string describe() const;
 

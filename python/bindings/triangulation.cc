@@ -1,11 +1,13 @@
 #include "tessera/triangulation.h"
 
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include "python/bindings/bindings.h"
 #include "python/bindings/interruptible.h"
 #include "python/bindings/views.h"
+#include "tessera/voids.h"
 
 namespace tessera::python {
 namespace {
@@ -89,6 +91,17 @@ py::tuple measure(Triangulation& self, MeasureRequest request) {
   return py::make_tuple(report.total, text_of(report.unit), report.made, text_of(report.note));
 }
 
+// Returns (structured array, column, whether it was made, vertices in no zone).
+py::tuple find_voids(Triangulation& self, const std::string& by, const std::filesystem::path& target, bool overwrite,
+                     std::uint64_t memory_bytes, unsigned threads) {
+  VoidsRequest request;
+  request.by(by).output(target).overwrite(overwrite).memory_bytes(memory_bytes).threads(threads);
+  const FoundVoids found =
+      run_interruptible([&](std::stop_token stop) { return self.find_voids(request.stop(std::move(stop))); });
+  return py::make_tuple(py::array_t<FoundVoid>(static_cast<py::ssize_t>(found.voids.size()), found.voids.data()),
+                        text_of(found.column), found.made, found.outside);
+}
+
 void bind_tile(py::module_& module) {
   py::class_<Tile>(module, "Tile")
       .def_property_readonly("id", &Tile::id)
@@ -129,6 +142,8 @@ void bind_triangulation(py::module_& module) {
 
   bind_options(module);
 
+  PYBIND11_NUMPY_DTYPE(FoundVoid, zone, core_density, x, y, z, zone_points, zone_volume, saddle_vertex, saddle_density,
+                       parent, void_zones, void_points, void_volume, contrast, probability);
   const py::call_guard<py::gil_scoped_release> without_gil;
   py::class_<Triangulation>(module, "Triangulation")
       .def_static("open", py::overload_cast<const std::filesystem::path&>(&Triangulation::open), without_gil)
@@ -150,6 +165,7 @@ void bind_triangulation(py::module_& module) {
       .def("verify", &verify)
       .def("columns", &columns_of)
       .def("measure", &measure)
+      .def("find_voids", &find_voids)
       .def("describe", [](const Triangulation& self) { return text_of(self.describe()); });
   py::class_<Proof>(module, "Proof")
       .def_property_readonly("cells", &Proof::cells)

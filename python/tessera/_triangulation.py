@@ -25,6 +25,7 @@ from ._tile import Tile, cell_word
 from ._update import Changes
 from ._volumes import SurfaceVolumes
 from ._view import View, view_of
+from ._voids import Voids
 from ._voronoi import VoronoiCells
 
 
@@ -115,7 +116,7 @@ class Tiles(collections.abc.Sequence):
         return f"<tessera.Tiles: {len(self)} of {self._of!r}>"
 
 
-class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, VoronoiCells, Changes):
+class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, VoronoiCells, Voids, Changes):
     """A finished triangulation on disk, from triangulate(), region() or open(): a sequence of tiles.
 
     `len(t)` is the number of tiles with points. `t[i]` reads a tile from disk. `for tile in t` reads one tile after the

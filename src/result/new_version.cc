@@ -241,6 +241,26 @@ Status NewVersion::check_room(std::span<const ResultColumn> columns, std::uint64
   return tessera::check_room(source_.folder(), "a new version, beside the one that stands,", needed, free);
 }
 
+Result<bool> NewVersion::has_columns(std::span<const ResultColumn> columns) const {
+  const Manifest& manifest = source_.manifest();
+  const auto is_there = [&](const ResultColumn& wanted) {
+    return std::ranges::any_of(manifest.columns, [&](const ResultColumn& one) {
+      return one.name == wanted.name && one.of_cells == wanted.of_cells;
+    });
+  };
+  if (std::ranges::all_of(columns, is_there)) return true;
+  const std::string out = source_.folder().string();
+  for (const ResultColumn& column : columns) {
+    const auto same_name = [&](const auto& other) { return other.name == column.name; };
+    if (!column.of_cells && std::ranges::any_of(manifest.schema, same_name))
+      return error(Errc::usage, out + ": its vertices have an attribute '" + column.name +
+                                    "' already; triangulate without it, or under another name");
+    if (std::ranges::any_of(manifest.columns, same_name))
+      return error(Errc::usage, out + ": has a column '" + column.name + "' already");
+  }
+  return false;
+}
+
 Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnValues> columns,
                                const std::stop_token& stop) {
   TileEntry entry = source_.entry(index);

@@ -86,6 +86,10 @@ class NewVersion {
   Status check_room(std::span<const ResultColumn> columns, std::uint64_t beside,
                     std::optional<std::uint64_t> free) const;
 
+  // Whether the version that is being changed has these columns already. Error usage when something else has one of
+  // their names.
+  Result<bool> has_columns(std::span<const ResultColumn> columns) const;
+
   // Writes a copy of a tile with these columns added. All tiles must get the same columns. Safe to call from several
   // threads for different tiles. Errors: corrupt when the file is not the one that was stored; io; interrupted.
   Status add_columns(std::size_t index, std::span<const store::ColumnValues> columns, const std::stop_token& stop);

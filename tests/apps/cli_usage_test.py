@@ -4,7 +4,7 @@ import unittest
 from cli import IO, OK, USAGE, CliTest
 
 DAEMON = ["jobs", "job", "watch", "cancel", "resume", "inputs", "results", "fetch", "upload", "nodes", "drain"]  # ask one
-COMMANDS = ["triangulate", "verify", "info", "export", "region", "query", "dem", "contours", "profile", "hag", "volume", "alpha", "surface", "track", "tileset", "materialise", "update", "log", "measure", "columns", "voronoi", "density", "certs", "cluster", *DAEMON, "generate"]
+COMMANDS = ["triangulate", "verify", "info", "export", "region", "query", "dem", "contours", "profile", "hag", "volume", "alpha", "surface", "track", "tileset", "materialise", "update", "log", "measure", "columns", "voronoi", "density", "voids", "certs", "cluster", *DAEMON, "generate"]
 
 
 class Help(CliTest):

@@ -193,6 +193,11 @@ def particles(here):
         file["PartType1/Coordinates"] = np.random.default_rng(4).random((100, 3)) * 100
 
 
+def voids(here):
+    particles(here)
+    here.run("tessera triangulate particles.npy -o out --periodic 100 --quiet")
+
+
 def nothing(here):
     pass
 
@@ -200,7 +205,7 @@ def nothing(here):
 PAGES = {
     "alpha.md": ground_and_out, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "periodic.md": particles, "queries.md": questions,
     "regions.md": one_file, "surfaces.md": surfaces, "terrain.md": terrain, "track.md": ground_and_out, "updates.md": updates,
-    "viewer.md": ground_and_out, "volumes.md": volumes, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
+    "viewer.md": ground_and_out, "volumes.md": volumes, "voids.md": voids, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
     "instead-of-pdal.md": nothing, "instead-of-lastools.md": nothing, "instead-of-cgal.md": nothing, "instead-of-gmsh.md": nothing,
     "instead-of-gdal-grid.md": points_of_ground,
 }

@@ -79,7 +79,7 @@ class Periodic(unittest.TestCase):
     def test_what_knows_no_periods_says_so(self):
         points = np.random.default_rng(3).integers(0, 64, (300, 2)) / 64
         with tessera.triangulate(points, periodic=1) as t:
-            for work in (lambda: t.interpolate([[0.5, 0.5]], "z", "natural"), lambda: t.dem(1, "a.tif"), lambda: t.voronoi("a.gpkg")):
+            for work in (lambda: t.interpolate([[0.5, 0.5]], "z", "natural"), lambda: t.dem(res=1)):
                 with self.assertRaisesRegex(tessera.UsageError, "the triangulation of a periodic cloud"):
                     work()
             with self.assertRaisesRegex(tessera.UsageError, "corners of periodic cells are images"):

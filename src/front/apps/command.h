@@ -34,6 +34,7 @@ Command add_region(CLI::App& root);
 Command add_query(CLI::App& root);
 Command add_dem(CLI::App& root);
 Command add_hag(CLI::App& root);
+Command add_voids(CLI::App& root);
 Command add_voronoi(CLI::App& root);
 Command add_volume(CLI::App& root);
 Command add_surface(CLI::App& root);

@@ -42,6 +42,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_columns(root));
   commands.push_back(add_voronoi(root));
   commands.push_back(add_density(root));
+  commands.push_back(add_voids(root));
   commands.push_back(add_certs(root));
   commands.push_back(add_cluster(root));
   commands.push_back(add_jobs(root));

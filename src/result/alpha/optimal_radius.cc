@@ -20,11 +20,11 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/on_threads.h"
 #include "src/base/stopped.h"
 #include "src/geometry/mesh/images.h"
 #include "src/geometry/predicates/exact/circumradius.h"
-#include "src/result/alpha/disjoint_sets.h"
 #include "src/result/alpha/tile_alpha.h"
 #include "src/result/store/external_sort.h"
 #include "src/result/tile_queue.h"

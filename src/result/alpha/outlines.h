@@ -15,9 +15,9 @@
 #include <tuple>
 #include <vector>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
-#include "src/result/alpha/disjoint_sets.h"
 #include "src/result/alpha/tile_outline.h"
 #include "src/result/export/output.h"
 #include "src/result/store/external_sort.h"

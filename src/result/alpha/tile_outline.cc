@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "src/result/alpha/disjoint_sets.h"
+#include "src/base/disjoint_sets.h"
 
 namespace tessera::alpha {
 

@@ -25,28 +25,6 @@ namespace {
 
 using Measures = std::vector<std::unique_ptr<TileMeasure>>;
 
-bool has_column(const Manifest& manifest, const ResultColumn& wanted) {
-  return std::any_of(manifest.columns.begin(), manifest.columns.end(), [&](const ResultColumn& one) {
-    return one.name == wanted.name && one.of_cells == wanted.of_cells;
-  });
-}
-
-// Whether the columns exist already. Error usage when something else has one of their names.
-Result<bool> exist(const fs::path& out, const Manifest& manifest, const std::vector<ResultColumn>& columns) {
-  const auto known =
-      std::count_if(columns.begin(), columns.end(), [&](const ResultColumn& one) { return has_column(manifest, one); });
-  if (known == static_cast<std::ptrdiff_t>(columns.size())) return true;
-  for (const ResultColumn& column : columns) {
-    const auto same_name = [&](const auto& other) { return other.name == column.name; };
-    if (!column.of_cells && std::any_of(manifest.schema.begin(), manifest.schema.end(), same_name))
-      return error(Errc::usage, out.string() + ": its vertices have an attribute '" + column.name +
-                                    "' already; triangulate without it, or under another name");
-    if (std::any_of(manifest.columns.begin(), manifest.columns.end(), same_name))
-      return error(Errc::usage, out.string() + ": has a column '" + column.name + "' already");
-  }
-  return false;
-}
-
 std::string note_of(const Manifest& manifest) {
   if (!manifest.region) return "";
   return manifest.region->complete
@@ -179,7 +157,7 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
   for (auto& one : wanted) {
     const auto own = one->columns();
     for (const auto& column : own) measured.columns.push_back({column.name, column.of_cells});
-    BOOST_OUTCOME_TRY(there, exist(out, manifest, own));
+    BOOST_OUTCOME_TRY(there, next->has_columns(own));
     if (there) continue;
     columns.insert(columns.end(), own.begin(), own.end());
     missing.push_back(std::move(one));

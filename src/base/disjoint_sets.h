@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera::alpha {
+namespace tessera {
 
 class DisjointSets {
  public:
@@ -37,4 +37,4 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_, size_;
 };
 
-}  // namespace tessera::alpha
+}  // namespace tessera
