@@ -241,6 +241,9 @@ def main():
         for columns in (2, 3):
             write('npy', f'{"le" if kind[0] == "<" else "be"}_{kind[1:]}_{columns}.npy', npy(kind, columns))
 
+    for name in ('catalogue.fits', 'several.fits'):
+        write('fits', name, (pathlib.Path(__file__).parents[1] / 'data' / 'fits' / name).read_bytes())
+
     text = b''.join(b'%d %d 0.5\n' % (i, i * i % 97) for i in range(60))
     las = small_las((data / LAS[0]).read_bytes())
     write('packed', 'two_members.xyz.gz', gzip.compress(text[:300], mtime=0) + gzip.compress(text[300:], mtime=0))

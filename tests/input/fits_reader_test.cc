@@ -32,9 +32,7 @@ Result<Contents> read_fits(const std::string& name, const std::vector<Attribute>
   return read_bytes(fits_bytes(name), name, schema, hints);
 }
 
-std::string refusal_of(const std::string& name, const ReadHints& hints) {
-  return sentence(read_fits(name, {}, hints));
-}
+std::string refusal_of(const std::string& name, const ReadHints& hints) { return sentence(read_fits(name, {}, hints)); }
 
 // The integral of 1/E by the midpoint rule with long doubles, in 4,000,000 steps.
 double slow_distance(const Cosmology& cosmology, double redshift) {
@@ -49,8 +47,8 @@ double slow_distance(const Cosmology& cosmology, double redshift) {
 }
 
 TEST(ComovingDistances, AreThoseOfClosedFormsAndOfASlowIntegral) {
-  const ComovingDistance dust({.hubble = 50, .matter = 1}), empty({.hubble = 100, .matter = 0}),
-      usual(concordance), heavy({.hubble = 67.4, .matter = 0.9});
+  const ComovingDistance dust({.hubble = 50, .matter = 1}), empty({.hubble = 100, .matter = 0}), usual(concordance),
+      heavy({.hubble = 67.4, .matter = 0.9});
   for (const double z : {1e-9, 1e-4, 0.1, 0.125, 0.5, 1.0, 3.0, 7.5, 1100.0, 9999.0}) {
     // Without a constant: 2 c/H0 (1 - 1/sqrt(1 + z)), here without the difference.
     const double root = std::sqrt(1 + z);
@@ -69,9 +67,9 @@ TEST(ComovingDistances, AreThoseOfClosedFormsAndOfASlowIntegral) {
 
 TEST(ComovingDistances, NeedACosmologyThatCanBe) {
   EXPECT_EQ(why_no_cosmology({.hubble = 70, .matter = 0.3}), "");
-  for (const Cosmology& wrong : {Cosmology{0, 0.3}, Cosmology{-70, 0.3}, Cosmology{std::nan(""), 0.3},
-                                 Cosmology{HUGE_VAL, 0.3}, Cosmology{70, -0.1}, Cosmology{70, 1.1},
-                                 Cosmology{70, std::nan("")}})
+  for (const Cosmology& wrong :
+       {Cosmology{0, 0.3}, Cosmology{-70, 0.3}, Cosmology{std::nan(""), 0.3}, Cosmology{HUGE_VAL, 0.3},
+        Cosmology{70, -0.1}, Cosmology{70, 1.1}, Cosmology{70, std::nan("")}})
     EXPECT_NE(why_no_cosmology(wrong), "");
 }
 
@@ -120,9 +118,9 @@ TEST(Fits, PlacesByRedshiftNeedACosmology) {
 
 TEST(Fits, ColumnsOfAllTypesAreAttributes) {
   using enum AttributeType;
-  const std::vector<Attribute> schema{{"ID", u64},   {"RA", f64},     {"Z", f32},       {"MAG", f32},
+  const std::vector<Attribute> schema{{"ID", u64},    {"RA", f64},     {"Z", f32},       {"MAG", f32},
                                       {"COUNT", u16}, {"BIG", u32},    {"SIGNED", i8},   {"FLAG", u8},
-                                      {"BYTE", u8},  {"SCALED", f64}, {"SHAPE_2", f32}, {"MISSING", f64}};
+                                      {"BYTE", u8},   {"SCALED", f64}, {"SHAPE_2", f32}, {"MISSING", f64}};
   const auto read = read_fits("catalogue.fits", schema, {.cosmology = concordance});
   ASSERT_EQ(sentence(read), "");
   std::vector<std::string> units;
@@ -186,7 +184,8 @@ TEST(Fits, TheTableAndItsCoordinatesAreChosen) {
 TEST(Fits, WhatIsNotThereIsRefusedWithWhatIs) {
   EXPECT_EQ(refusal_of("several.fits", {.hdu = "5"}),
             "several.fits: has no HDU '5'; its tables are HDU 3 'HALOS', HDU 4 'PARTS'");
-  EXPECT_EQ(refusal_of("several.fits", {.hdu = "2"}), "several.fits: HDU 2 'TEXT', which hdu names, is no binary table");
+  EXPECT_EQ(refusal_of("several.fits", {.hdu = "2"}),
+            "several.fits: HDU 2 'TEXT', which hdu names, is no binary table");
   EXPECT_EQ(refusal_of("several.fits", {.columns = {"x=U", "y=V"}}),
             "several.fits: HDU 3 'HALOS' has no column of numbers 'U', which columns names; it has pos, mass");
   EXPECT_EQ(refusal_of("several.fits", {.columns = {"x=TRACE", "y=XPOS"}, .hdu = "PARTS"}),
@@ -230,7 +229,8 @@ TEST(Fits, HeadersThatLieAreRefused) {
   EXPECT_EQ(damaged("NAXIS2  ", "NAXIS2  = 0"), hdu + "has no rows");
   EXPECT_EQ(damaged("NAXIS2  ", "NAXIS2  = 'seven'"), hdu + "has no NAXIS2 of 0 or more");
   EXPECT_EQ(damaged("NAXIS1  ", "NAXIS1  = 78"), hdu + "has columns of 77 bytes, but rows of 78, by its NAXIS1");
-  EXPECT_EQ(damaged("NAXIS1  ", "NAXIS1  = 60"), hdu + "has columns that take more bytes than a row has, by its NAXIS1");
+  EXPECT_EQ(damaged("NAXIS1  ", "NAXIS1  = 60"),
+            hdu + "has columns that take more bytes than a row has, by its NAXIS1");
   EXPECT_EQ(damaged("PCOUNT  ", "PCOUNT  = -1"), hdu + "has a PCOUNT or GCOUNT that is no number of 0 or more");
   EXPECT_EQ(damaged("PCOUNT  ", "PCOUNT  = 18446744073709551615"),
             hdu + "has a PCOUNT or GCOUNT that is no number of 0 or more");
