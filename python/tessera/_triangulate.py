@@ -152,7 +152,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
                           heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store,
-                          scans=scans, particles=particles, hdu=hdu, cosmology=cosmology, periodic=periodic, periodic_snap=periodic_snap, endpoint=endpoint, profile=profile,
+                          scans=scans, particles=particles, hdu=hdu, cosmology=cosmology, periodic=periodic,
+                          periodic_snap=periodic_snap, endpoint=endpoint, profile=profile,
                           anonymous=anonymous, requester_pays=requester_pays)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")

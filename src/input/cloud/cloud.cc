@@ -20,15 +20,17 @@
 namespace tessera {
 namespace {
 
-// Adds the attributes of a file. An attribute keeps its type if all files agree, else it becomes a double.
+// Adds the attributes of a file. An attribute keeps its type if all files agree, else it becomes a double. Its unit is
+// unknown if files state different ones.
 void add_available(const FileInfo& file, std::vector<Attribute>& available) {
   for (const auto& a : file.attributes) {
     const auto same = std::find_if(available.begin(), available.end(), [&](auto& b) { return b.name == a.name; });
-    if (same == available.end())
+    if (same == available.end()) {
       available.push_back(a);
-    else if (same->type != a.type)
-      same->type = AttributeType::f64;
-    if (same != available.end() && same->unit != a.unit) same->unit.clear();
+      continue;
+    }
+    if (same->type != a.type) same->type = AttributeType::f64;
+    if (same->unit != a.unit) same->unit.clear();
   }
 }
 
@@ -241,8 +243,8 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   }
   BOOST_OUTCOME_TRYV(check_use_of_columns(cloud.files_, options));
   BOOST_OUTCOME_TRYV(check_use_of_fits(cloud.files_, options));
-  BOOST_OUTCOME_TRYV(check_particles(cloud.files_, options));
   BOOST_OUTCOME_TRYV(snapshot::check_snapshots(cloud.files_));
+  BOOST_OUTCOME_TRYV(check_particles(cloud.files_, options));
   BOOST_OUTCOME_TRY(schema, choose_with_heights(options, std::move(available), has_z));
   cloud.schema_ = std::move(schema);
   BOOST_OUTCOME_TRY(settled, settle_crs(cloud.files_, options.crs));
