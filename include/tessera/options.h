@@ -91,13 +91,23 @@ class TESSERA_PUBLIC TriangulationOptions {
   TriangulationOptions& classes(std::vector<int> classes);
   // E57 and PTX files: takes only points of these scans, numbered from 0 in each file. Empty, the default: all.
   TriangulationOptions& scans(std::vector<std::uint32_t> scans);
+  // Snapshots: takes only particles of these types, "gas", "dark-matter", "disk", "bulge", "stars", "black-holes",
+  // "neutrinos", or numbers from "0" to "6". Empty, the default: all.
+  TriangulationOptions& particles(std::vector<std::string> types);
   // Takes only the "first", "last" or "single" return of each laser pulse; "all", the default, takes all.
   TriangulationOptions& returns(const std::string& which);
   // Leaves out points that have one of these LAS flags: "withheld", "synthetic", "overlap", "key_point".
   TriangulationOptions& without(std::vector<std::string> flags);
   // Text and NumPy files: the names of the columns in order, in place of those in the files: "x", "y", "z", the name of
-  // an attribute, or "_" for a column to leave out. Empty, the default: what the files say.
+  // an attribute, or "_" for a column to leave out. FITS tables: which columns are coordinates, "x=XPOS", "y=YPOS",
+  // "z=ZPOS"; or "position=POS"; or "ra=RA", "dec=DEC" and "redshift=Z" or "distance=D". Empty, the default: what the
+  // files say.
   TriangulationOptions& columns(std::vector<std::string> names);
+  // FITS: the number or the name of the HDU of the table. "", the default: the first table.
+  TriangulationOptions& hdu(const std::string& which);
+  // FITS: turns redshifts into comoving distances in Mpc, in a flat universe with this H0 in km/s/Mpc and this density
+  // of matter, from 0 to 1. By default redshifts are a Failure (usage).
+  TriangulationOptions& cosmology(double hubble, double matter);
   // COPC files: reads the octree levels down to the first level whose points are at most so far apart, and no finer
   // ones. 0, the default: all levels.
   TriangulationOptions& resolution(double distance);

@@ -26,7 +26,8 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 crs: Path | None = None, heights: bool = True,
                 periodic: float | typing.Sequence[float] | str | None = None, periodic_snap: str = "yes",
                 input_list: Path | None = None, resume: bool = False,
-                scans: typing.Iterable[int] = (), endpoint: str | None = None, profile: str | None = None,
+                scans: typing.Iterable[int] = (), particles: typing.Iterable[int | str] = (),
+                hdu: int | str | None = None, cosmology: typing.Sequence[float] | None = None, endpoint: str | None = None, profile: str | None = None,
                 anonymous: bool = False, requester_pays: bool = False) -> _tessera.Options:
     """Returns the options of triangulate(). `dim` None: the dimension of the files."""
     options = _tessera.Options()
@@ -57,6 +58,14 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
     options.periodic_snap(periodic_snap)
     options.classes([positive(number + 1, "classes", 257) - 1 for number in classes])
     options.scans([positive(number + 1, "scans", 2**32) - 1 for number in scans])
+    options.particles([str(kind) for kind in ([particles] if isinstance(particles, (int, str)) else particles)])
+    if hdu is not None:
+        options.hdu(str(hdu))
+    if cosmology is not None:
+        numbers = exact_float64(cosmology, "cosmology").ravel().tolist()
+        if len(numbers) != 2:
+            raise UsageError("cosmology must be two numbers: H0 in km/s/Mpc, and the density of matter")
+        options.cosmology(*numbers)
     options.returns(returns)
     options.keep(keep)
     options.store(store)

@@ -27,6 +27,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
                 keep: str = "first", store: str = "auto", scans: typing.Iterable[int] = (),
                 periodic: float | typing.Sequence[float] | str | None = None, periodic_snap: str = "yes",
+                particles: typing.Iterable[int | str] = (), hdu: int | str | None = None,
+                cosmology: typing.Sequence[float] | None = None,
                 endpoint: str | None = None, profile: str | None = None, anonymous: bool = False,
                 requester_pays: bool = False) -> Triangulation:
     """Computes the exact Delaunay triangulation of any number of points: in tiles, on threads, within a memory limit.
@@ -76,14 +78,23 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         For files: takes only points of these LAS classes, for example [2, 9].
     scans
         For E57 and PTX files: takes only points of these scans, which each file numbers from 0.
+    particles
+        For snapshots: takes only particles of these types, for example ["gas", "stars"]: "gas", "dark-matter",
+        "disk", "bulge", "stars", "black-holes", "neutrinos", or numbers from 0 to 6.
     returns
         For files: takes only the "first", "last" or "single" return of each laser pulse, or "all".
     without
         For files: leaves out points with one of these flags, ["withheld", "synthetic", "overlap", "key_point"].
     columns
         For text and .npy files: the names of the columns in order, in place of those in the files: "x", "y", "z", the
-        name of an attribute, or "_" for a column to leave out. ["p", "y", "x", "z"] or "p,y,x,z". (): what the files
-        say.
+        name of an attribute, or "_" for a column to leave out. ["p", "y", "x", "z"] or "p,y,x,z". For FITS tables:
+        which columns are coordinates, "x=XPOS,y=YPOS,z=ZPOS", "position=POS", or "ra=RA,dec=DEC" with "redshift=Z" or
+        "distance=D". (): what the files say.
+    hdu
+        For FITS: the number or the name of the table. None: the first one.
+    cosmology
+        For FITS: turns redshifts into comoving distances, in a flat universe: H0 in km/s/Mpc, and the density of
+        matter, for example (70, 0.3). None: redshifts are refused.
     resolution
         For COPC files: reads the octree levels down to the first whose points are at most so far apart. None: all.
     heights
@@ -141,7 +152,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
                           heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store,
-                          scans=scans, periodic=periodic, periodic_snap=periodic_snap, endpoint=endpoint, profile=profile,
+                          scans=scans, particles=particles, hdu=hdu, cosmology=cosmology, periodic=periodic,
+                          periodic_snap=periodic_snap, endpoint=endpoint, profile=profile,
                           anonymous=anonymous, requester_pays=requester_pays)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
@@ -160,6 +172,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         raise UsageError("classes are for files: choose rows of your array instead")
     if scans:
         raise UsageError("scans are for files: choose rows of your array instead")
+    if particles or hdu is not None or cosmology is not None:
+        raise UsageError("particles, hdu and cosmology are for files")
     if columns:
         raise UsageError("columns are for files: choose and order the columns of your array instead")
     if values is None and attributes:

@@ -468,8 +468,12 @@ def _fields(options: dict[str, typing.Any]) -> dict[str, typing.Any]:
             value = os.fspath(value)
         elif name == "memory":
             value = str(value)
-        elif name in ("attributes", "without") and isinstance(value, str):
-            value = [value]
+        elif name in ("attributes", "without", "particles") and isinstance(value, (str, int)):
+            value = [str(value)]
+        elif name == "particles":
+            value = [str(kind) for kind in value]
+        elif name == "hdu":
+            value = str(value)
         elif name == "columns" and isinstance(value, str):
             value = value.split(",")
         elif not isinstance(value, (str, bool, int, float)):

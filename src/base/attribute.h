@@ -33,7 +33,9 @@ constexpr std::size_t size_of(AttributeType type) {
 struct Attribute {
   std::string name;  // as VTK shows it: "intensity", "classification", "return_number", "gps_time", "red", ...
   AttributeType type = AttributeType::f64;
-  friend bool operator==(const Attribute&, const Attribute&) = default;
+  std::string unit = {};  // of the values, as the input states it, for people; "" when unknown
+  // Units are compared by nobody: texts for the same unit differ.
+  friend bool operator==(const Attribute& a, const Attribute& b) { return a.name == b.name && a.type == b.type; }
 };
 
 // The bytes of a row. A row has the attributes of one point, packed in the order of the schema without padding.

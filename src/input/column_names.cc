@@ -1,7 +1,9 @@
 #include "src/input/column_names.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <string_view>
 #include <unordered_set>
 
 #include "src/base/option.h"
@@ -18,11 +20,59 @@ std::optional<std::size_t> axis_of(const std::string& name) {
   return letter == std::string_view::npos ? std::nullopt : std::optional(letter % 3);
 }
 
+// The keys that together make a point, each list in the order of named_columns().
+constexpr std::array<std::array<std::string_view, 3>, 5> key_sets{
+    {{"x", "y", ""}, {"x", "y", "z"}, {"position", "", ""}, {"ra", "dec", "distance"}, {"ra", "dec", "redshift"}}};
+
+std::size_t size_of_set(const std::array<std::string_view, 3>& keys) {
+  return static_cast<std::size_t>(std::count_if(keys.begin(), keys.end(), [](auto key) { return !key.empty(); }));
+}
+
+std::pair<std::string, std::string> parts_of(const std::string& entry) {
+  const std::size_t sign = entry.find('=');
+  if (sign == std::string::npos) return {entry, ""};
+  return {entry.substr(0, sign), entry.substr(sign + 1)};
+}
+
+// The keys of these entries; null if they make no point.
+const std::array<std::string_view, 3>* keys_of(std::span<const std::string> entries) {
+  for (const auto& keys : key_sets) {
+    const bool all = std::all_of(keys.begin(), keys.end(), [&](std::string_view key) {
+      return key.empty() ||
+             std::any_of(entries.begin(), entries.end(), [&](auto& e) { return parts_of(e).first == key; });
+    });
+    if (all && size_of_set(keys) == entries.size()) return &keys;
+  }
+  return nullptr;
+}
+
+Status check_entries(std::span<const std::string> entries) {
+  for (const std::string& entry : entries)
+    if (parts_of(entry).second.empty()) return error(Errc::usage, in_quotes(entry) + " is not KEY=COLUMN, as x=XPOS");
+  if (keys_of(entries) != nullptr) return success();
+  return error(Errc::usage,
+               "the keys must be x,y or x,y,z, or position, or ra,dec,distance, or ra,dec,redshift, as in "
+               "x=XPOS,y=YPOS,z=ZPOS");
+}
+
 }  // namespace
+
+bool are_entries(std::span<const std::string> names) {
+  return std::any_of(names.begin(), names.end(), [](auto& name) { return name.find('=') != std::string::npos; });
+}
+
+std::vector<std::pair<std::string, std::string>> named_columns(std::span<const std::string> entries) {
+  std::vector<std::pair<std::string, std::string>> columns;
+  for (const auto key : *keys_of(entries))
+    for (const std::string& entry : entries)
+      if (auto parts = parts_of(entry); parts.first == key) columns.push_back(std::move(parts));
+  return columns;
+}
 
 Status check_columns(std::span<const std::string> names) {
   const auto refuse = [](const std::string& reason) { return error(Errc::usage, reason); };
   if (names.empty()) return success();
+  if (are_entries(names)) return check_entries(names);
   if (names.size() > names_max) return refuse("there are more than " + std::to_string(names_max) + " names");
   std::array<bool, 3> found{};
   std::unordered_set<std::string_view> others;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "src/input/ept/ept_names.h"
+#include "src/input/fits/fits_header.h"
 #include "src/input/mesh/obj_reader.h"
 #include "src/input/mesh/off_reader.h"
 #include "src/input/mesh/stl_reader.h"
@@ -26,14 +27,15 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-constexpr std::array<std::pair<std::string_view, FileFormat>, 21> endings{
+constexpr std::array<std::pair<std::string_view, FileFormat>, 23> endings{
     {{".las", FileFormat::las},  {".laz", FileFormat::las},       {".ply", FileFormat::ply},
      {".off", FileFormat::off},  {".obj", FileFormat::obj},       {".stl", FileFormat::stl},
      {".npy", FileFormat::npy},  {".pcd", FileFormat::pcd},       {".e57", FileFormat::e57},
      {".ptx", FileFormat::ptx},  {".xyz", FileFormat::text},      {".csv", FileFormat::text},
      {".tsv", FileFormat::text}, {".txt", FileFormat::text},      {".asc", FileFormat::text},
      {".pts", FileFormat::pts},  {".gadget", FileFormat::gadget}, {".hdf5", FileFormat::hdf5},
-     {".h5", FileFormat::hdf5},  {".tipsy", FileFormat::tipsy},   {".dat", FileFormat::text}}};
+     {".h5", FileFormat::hdf5},  {".tipsy", FileFormat::tipsy},   {".fits", FileFormat::fits},
+     {".fit", FileFormat::fits}, {".dat", FileFormat::text}}};
 
 FileFormat format_of_name(const std::filesystem::path& name) {
   if (name.filename() == ept_file_name) return FileFormat::ept;
@@ -69,6 +71,7 @@ FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::pa
   if (bytes.starts_with("\x28\xb5\x2f\xfd")) return FileFormat::zstd;
   if (bytes.size() >= 4 && (bytes[0] & 0xf0) == 0x50 && bytes.substr(1, 3) == "\x2a\x4d\x18") return FileFormat::zstd;
   if (bytes.starts_with("ASTM-E57")) return FileFormat::e57;
+  if (fits::looks_like_fits(bytes)) return FileFormat::fits;
   if (snapshot::looks_like_hdf5(begin)) return FileFormat::hdf5;
   if (snapshot::looks_like_gadget(begin)) return FileFormat::gadget;
   if (snapshot::is_tipsy(begin, size)) return FileFormat::tipsy;
@@ -96,7 +99,7 @@ std::string point_file_endings() { return listed_endings({}); }
 Error unknown_format(const std::filesystem::path& path) {
   return error(Errc::bad_input, path.string() +
                                     ": unknown format: its first bytes are not those of LAS, PLY, E57, PCD, OFF, OBJ, "
-                                    "STL, NumPy, HDF5, Gadget, Tipsy, "
+                                    "STL, NumPy, FITS, HDF5, Gadget, Tipsy, "
                                     "gzip or Zstandard, its name does not end like that of a text (" +
                                     listed_endings(FileFormat::text) + "), and it is not the " + ept_file_name +
                                     " of EPT");

@@ -28,6 +28,7 @@ enum class FileFormat : std::uint8_t {
   gadget,
   tipsy,
   hdf5,
+  fits,
   text,
   gzip,
   zstd

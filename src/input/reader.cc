@@ -4,9 +4,12 @@
 #include <array>
 #include <utility>
 
+#include "src/base/option.h"
 #include "src/input/bytes/byte_source.h"
+#include "src/input/column_names.h"
 #include "src/input/e57/e57_reader.h"
 #include "src/input/ept/ept_reader.h"
+#include "src/input/fits/fits_reader.h"
 #include "src/input/format.h"
 #include "src/input/las/las_reader.h"
 #include "src/input/mesh/obj_reader.h"
@@ -42,7 +45,11 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
   const auto there =
       std::span(begin).first(static_cast<std::size_t>(std::min<std::uint64_t>(begin.size(), source->size())));
   BOOST_OUTCOME_TRYV(source->read(0, there));
-  switch (format_of(there, source->content_name(), source->size())) {
+  const FileFormat format = format_of(there, source->content_name(), source->size());
+  if (are_entries(hints.columns) && (format == FileFormat::npy || format == FileFormat::text))
+    return error(Errc::usage, path.string() + ": is no FITS table; " + option("columns") +
+                                  " names its columns in order, as p,y,x,z");
+  switch (format) {
     case FileFormat::las:
       return open_las(std::move(source), attributes, hints);
     case FileFormat::npy:
@@ -66,11 +73,13 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
     case FileFormat::pts:
       return open_pts(std::move(source), attributes, hints);
     case FileFormat::gadget:
-      return snapshot::open_gadget(std::move(source), attributes);
+      return snapshot::open_gadget(std::move(source), attributes, hints);
     case FileFormat::hdf5:
-      return snapshot::open_gadget_hdf5(std::move(source), attributes);
+      return snapshot::open_gadget_hdf5(std::move(source), attributes, hints);
     case FileFormat::tipsy:
-      return snapshot::open_tipsy(std::move(source), attributes);
+      return snapshot::open_tipsy(std::move(source), attributes, hints);
+    case FileFormat::fits:
+      return fits::open_fits(std::move(source), attributes, hints);
     case FileFormat::text:
       return open_text(std::move(source), attributes, hints);
     case FileFormat::gzip:

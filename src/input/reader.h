@@ -7,11 +7,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/base/attribute.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/input/cosmology.h"
 
 namespace tessera {
 
@@ -29,11 +31,18 @@ struct SnapshotPart {
   std::uint64_t points = 0;  // all particles of the snapshot
 };
 
+// The particles of one type in a snapshot.
+struct ParticleKind {
+  std::uint32_t type = 0;  // see snapshot/particle_types.h
+  std::uint64_t count = 0;
+  double mass = 0;  // of each particle, as the header says; 0: each has its own
+};
+
 // What a reader knows about a file after opening it.
 struct FileInfo {
   std::filesystem::path path;
   std::string format;    // "las", "laz", "ply", "off", "obj", "stl", "e57", "ept", "pcd", "ptx", "pts", "xyz", "npy",
-                         // "gadget", "tipsy"
+                         // "gadget", "tipsy", "hdf5", "fits"
   std::string detail;    // "LAS 1.4, point format 7", "binary little endian, float"
   int dimension = 3;     // 2 when the file has only x and y
   bool degrees = false;  // x and y are called longitude and latitude
@@ -50,11 +59,16 @@ struct FileInfo {
   std::uint64_t parts = 1;               // text: the number of parts in which it can be read; see ReadHints
   bool levels = false;                   // COPC, EPT: the points are sorted by level of detail
   std::optional<SnapshotPart> snapshot;  // Gadget
+  std::vector<ParticleKind> particles;   // snapshots: all types of the file, those that are skipped included
   Point box;                             // the size of a periodic box, as the file says; 0: none
-  std::string packing;                   // "gzip" or "zstd" when the whole file is compressed
-  std::uint64_t bytes = 0;               // size of the stored file
-  std::uint64_t content_bytes = 0;       // size of the content: `bytes` unless the file is compressed
-  std::int64_t modified_ns = 0;          // nanoseconds since 1970
+  std::string unit;                      // of the coordinates, as the file states it; "" when unknown
+  // Snapshots: other numbers that the file states, by name, such as the redshift.
+  std::vector<std::pair<std::string, double>> stated;
+  bool redshifts = false;           // FITS: distances come from redshifts, by the cosmology of the hints
+  std::string packing;              // "gzip" or "zstd" when the whole file is compressed
+  std::uint64_t bytes = 0;          // size of the stored file
+  std::uint64_t content_bytes = 0;  // size of the content: `bytes` unless the file is compressed
+  std::int64_t modified_ns = 0;     // nanoseconds since 1970
 
   // The number of points, estimated by the size of the file where its header gives none.
   std::uint64_t about_points() const {
@@ -93,6 +107,8 @@ class PointReader {
 struct ReadHints {
   std::optional<Box> crop = {};           // a closed box; the reader may skip points outside
   std::vector<std::uint32_t> scans = {};  // E57: the reader may skip other scans; empty: read all
+  std::vector<std::uint32_t> particles =
+      {};                 // snapshots: the reader may skip particles of other types; empty: read all
   double resolution = 0;  // COPC, EPT: read octree levels up to the first whose spacing is at most this; 0: read all
   std::uint32_t threads = 1;  // how many threads may decompress at once
   // Read only this part of the FileInfo::parts. All parts in order give the points of the whole file. Lines in errors
@@ -100,8 +116,11 @@ struct ReadHints {
   // beginning of the file.
   std::optional<std::uint64_t> part = {};
   bool count_lines = false;
-  // Text, NumPy: the names of the columns in order, whatever the file says (column_names.h). Empty: as the file says.
+  // Text, NumPy: the names of the columns in order, whatever the file says; FITS: which columns are coordinates
+  // (column_names.h). Empty: as the file says.
   std::vector<std::string> columns = {};
+  std::string hdu = {};                     // FITS: the number or name of the table's HDU; "": the first table
+  std::optional<Cosmology> cosmology = {};  // FITS: what turns redshifts into distances
 };
 
 // Opens a file that is not compressed (see Spool), by its content, then by its name. `attributes` is the schema of the

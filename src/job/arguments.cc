@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "src/input/column_names.h"
+#include "src/input/snapshot/particle_types.h"
 #include "src/job/job_options.h"
 
 namespace tessera {
@@ -208,6 +209,21 @@ Result<std::vector<std::uint32_t>> parse_scans(std::string_view text) {
     scans.push_back(static_cast<std::uint32_t>(number.value()));
   }
   return scans;
+}
+
+Result<std::vector<std::uint32_t>> parse_particles(std::string_view text) {
+  BOOST_OUTCOME_TRY(names, parse_names(text));
+  return snapshot::types_of_names(names);
+}
+
+Result<Cosmology> parse_cosmology(std::string_view text) {
+  const auto parts = split_commas(text);
+  if (parts.size() != 2) return refuse(text, "is not H0 in km/s/Mpc and the density of matter, like 70,0.3");
+  const auto hubble = parse_finite(parts[0]), matter = parse_finite(parts[1]);
+  if (!hubble || !matter) return refuse(text, "is not H0 in km/s/Mpc and the density of matter, like 70,0.3");
+  const Cosmology cosmology{.hubble = hubble.value(), .matter = matter.value()};
+  if (const auto why = why_no_cosmology(cosmology); !why.empty()) return error(Errc::usage, why);
+  return cosmology;
 }
 
 Result<std::vector<std::string>> parse_names(std::string_view text) {

@@ -10,6 +10,7 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/input/cosmology.h"
 
 namespace tessera {
 
@@ -48,6 +49,10 @@ Result<std::vector<double>> parse_periods(std::string_view text);
 // Parses LAS class numbers, 0..255: "2,9".
 Result<std::vector<int>> parse_classes(std::string_view text);
 Result<std::vector<std::uint32_t>> parse_scans(std::string_view text);
+// Parses types of particles, names and numbers: "gas,4"; see snapshot/particle_types.h.
+Result<std::vector<std::uint32_t>> parse_particles(std::string_view text);
+// Parses a flat cosmology: H0 and the density of matter, "70,0.3".
+Result<Cosmology> parse_cosmology(std::string_view text);
 
 // Parses names separated by commas; none may be empty.
 Result<std::vector<std::string>> parse_names(std::string_view text);

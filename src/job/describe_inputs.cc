@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
@@ -17,8 +18,10 @@
 #include "src/input/bytes/spool.h"
 #include "src/input/cloud/cloud_sample.h"
 #include "src/input/cloud/inputs.h"
+#include "src/input/snapshot/particle_types.h"
 #include "src/job/describe.h"
 #include "src/job/describe_points.h"
+#include "src/job/describe_units.h"
 #include "src/job/description.h"
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
@@ -73,6 +76,19 @@ Json to_json(const FileInfo& file) {
                  {"crs_note", file.crs_note},
                  {"attributes", names},
                  {"columns", file.columns ? to_json(*file.columns) : Json()}};
+  if (Json units = units_of(file.unit, file.attributes); !units.empty()) described["units"] = std::move(units);
+  if (!file.particles.empty()) {
+    Json& kinds = described["particles"] = Json::array();
+    for (const ParticleKind& kind : file.particles)
+      kinds.push_back({{"type", kind.type},
+                       {"name", snapshot::name_of_type(kind.type)},
+                       {"count", kind.count},
+                       {"mass", kind.mass != 0 && std::isfinite(kind.mass) ? Json(kind.mass) : Json()}});
+  }
+  Json stated = Json::object();
+  for (const auto& [name, value] : file.stated)
+    if (value != 0 && std::isfinite(value)) stated[name] = value;
+  if (!stated.empty()) described["stated"] = std::move(stated);
   if (file.snapshot)
     described["snapshot"] = {{"files", file.snapshot->files},
                              {"points", file.snapshot->points},

@@ -4,6 +4,7 @@
 #include "src/base/crs/crs.h"
 #include "src/job/describe.h"
 #include "src/job/describe_columns.h"
+#include "src/job/describe_units.h"
 #include "src/job/description.h"
 #include "src/result/store/period.h"
 #include "src/result/store/tile_store.h"
@@ -37,37 +38,40 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
     const auto corner = [&](const Point& p) { return Json{finite(p.x), finite(p.y), finite(p.z)}; };
     region = Json{{"min", corner(part->box.lo)}, {"max", corner(part->box.hi)}, {"complete", part->complete}};
   }
-  return Json{{"result", folder},
-              {"format_version", manifest.format_version},
-              {"software_version", manifest.software_version},
-              {"command", manifest.command},
-              {"inputs", inputs},
-              {"dimension", manifest.dimension},
-              {"crs", manifest.crs},
-              {"crs_name", crs_title(manifest.crs)},
-              {"bounds", {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}}},
-              {"heights", heights ? Json{{"min", heights->lo}, {"max", heights->hi}} : Json()},
-              {"partition", manifest.partition_kind},
-              {"period", is_periodic(manifest) ? Json(period_of(manifest).length) : Json()},
-              {"points", manifest.points_read},
-              // A region does not count these: what it does not need was not read.
-              {"invalid", part ? Json() : Json(manifest.invalid)},
-              {"filtered", part ? Json() : Json(manifest.filtered)},
-              {"duplicates", part ? Json() : Json(manifest.duplicates)},
-              {"duplicates_at_other_heights", !part && manifest.other_heights ? Json(*manifest.other_heights) : Json()},
-              {"keep", name_of(manifest.keep)},
-              {"vertices", manifest.vertices},
-              {"cells", manifest.cells},
-              {"digest", manifest.digest ? Json(digest_text(*manifest.digest)) : Json()},
-              {"region", region},
-              {"neighbors", manifest.neighbors},
-              {"tiles_of_points", of_points},
-              {"attributes", names},
-              {"version", manifest.version},
-              {"columns", columns_to_json(manifest)},
-              {"seconds", manifest.seconds},
-              {"figures", manifest.figures},
-              {"tiles", tiles}};
+  Json described{
+      {"result", folder},
+      {"format_version", manifest.format_version},
+      {"software_version", manifest.software_version},
+      {"command", manifest.command},
+      {"inputs", inputs},
+      {"dimension", manifest.dimension},
+      {"crs", manifest.crs},
+      {"crs_name", crs_title(manifest.crs)},
+      {"bounds", {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}}},
+      {"heights", heights ? Json{{"min", heights->lo}, {"max", heights->hi}} : Json()},
+      {"partition", manifest.partition_kind},
+      {"period", is_periodic(manifest) ? Json(period_of(manifest).length) : Json()},
+      {"points", manifest.points_read},
+      // A region does not count these: what it does not need was not read.
+      {"invalid", part ? Json() : Json(manifest.invalid)},
+      {"filtered", part ? Json() : Json(manifest.filtered)},
+      {"duplicates", part ? Json() : Json(manifest.duplicates)},
+      {"duplicates_at_other_heights", !part && manifest.other_heights ? Json(*manifest.other_heights) : Json()},
+      {"keep", name_of(manifest.keep)},
+      {"vertices", manifest.vertices},
+      {"cells", manifest.cells},
+      {"digest", manifest.digest ? Json(digest_text(*manifest.digest)) : Json()},
+      {"region", region},
+      {"neighbors", manifest.neighbors},
+      {"tiles_of_points", of_points},
+      {"attributes", names},
+      {"version", manifest.version},
+      {"columns", columns_to_json(manifest)},
+      {"seconds", manifest.seconds},
+      {"figures", manifest.figures},
+      {"tiles", tiles}};
+  if (Json units = units_of(manifest.unit, manifest.schema); !units.empty()) described["units"] = std::move(units);
+  return described;
 }
 
 }  // namespace

@@ -117,6 +117,33 @@ std::string joined(const Json& names) {
   return text.empty() ? "none" : text;
 }
 
+// Returns "131,072 gas (type 0), 3 stars (type 4) of mass 0.25 each".
+std::string particles_text(const Json& kinds) {
+  std::string text;
+  for (const auto& kind : kinds) {
+    text += (text.empty() ? "" : ", ") + grouped(count_of(kind, "count")) + " " + printable(text_of(kind, "name")) +
+            " (type " + std::to_string(count_of(kind, "type")) + ")";
+    if (!kind.at("mass").is_null()) text += " of mass " + coordinate(kind.at("mass").get<double>()) + " each";
+  }
+  return text;
+}
+
+// Returns "redshift 0.5, hubble 0.7".
+std::string numbers_text(const Json& numbers) {
+  std::string text;
+  for (const auto& [name, value] : numbers.items())
+    text += (text.empty() ? "" : ", ") + printable(name) + " " + coordinate(value.get<double>());
+  return text;
+}
+
+// Returns "coordinates [Mpc], mass [g]".
+std::string units_text(const Json& units) {
+  std::string text;
+  for (const auto& [name, unit] : units.items())
+    text += (text.empty() ? "" : ", ") + printable(name) + " [" + printable(unit.get<std::string>()) + "]";
+  return text;
+}
+
 // Returns "x is column 3, y 2, z 4, by the header".
 std::string columns_text(const Json& columns) {
   std::string text;
@@ -152,7 +179,10 @@ std::string file_text(const Json& file) {
     lines.add("snapshot", grouped(count_of(snapshot, "points")) + " particles in " + grouped(files) +
                               (files == 1 ? " file" : " files") + (has_box ? ", a box of " + box : ""));
   }
+  if (file.contains("particles")) lines.add("particles", particles_text(file.at("particles")));
+  if (file.contains("stated")) lines.add("states", numbers_text(file.at("stated")));
   lines.add("attributes", joined(file.at("attributes")));
+  if (file.contains("units")) lines.add("units", units_text(file.at("units")));
   if (!text_of(file, "crs").empty()) lines.add("CRS", text_of(file, "crs_name"));
   if (file.contains("result") && !file.at("result").is_null()) {
     const Json& result = file.at("result");
@@ -320,6 +350,7 @@ std::string result_text(const Json& result, bool counters) {
   lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));
   if (!result.at("digest").is_null()) lines.add("digest", text_of(result, "digest"));
   lines.add("attributes", joined(result.at("attributes")));
+  if (result.contains("units")) lines.add("units", units_text(result.at("units")));
   // An older daemon does not send columns.
   if (const auto columns = result.find("columns"); columns != result.end() && !columns->empty())
     lines.add("columns", columns_in_words(*columns) + " (version " + grouped(count_of(result, "version")) + ")");

@@ -21,6 +21,11 @@ std::string options_key(const JobOptions& options) {
   if (!options.cloud.crs.empty()) key["crs"] = options.cloud.crs;
   if (options.cloud.keep != DuplicatePolicy::first) key["keep"] = name_of(options.cloud.keep);
   if (!options.cloud.scans.empty()) key["scans"] = options.cloud.scans;
+  if (!options.cloud.particles.empty()) key["particles"] = options.cloud.particles;
+  if (!options.cloud.hdu.empty()) key["hdu"] = options.cloud.hdu;
+  if (const auto& cosmology = options.cloud.cosmology)
+    key["cosmology"] =
+        json_text(nlohmann::json(cosmology->hubble)) + " " + json_text(nlohmann::json(cosmology->matter));
   if (options.cloud.returns != Returns::all) key["returns"] = static_cast<int>(options.cloud.returns);
   if (!options.cloud.without.empty()) key["without"] = options.cloud.without;
   if (!options.cloud.columns.empty()) key["columns"] = options.cloud.columns;

@@ -28,6 +28,7 @@ Manifest manifest_of(const JobOptions& options, const RoutedCloud& run, const Ru
   }
   manifest.dimension = run.dimension;
   manifest.crs = run.crs;
+  manifest.unit = run.unit;
   manifest.partition_kind = name_of(run.partition.kind());
   manifest.boxes = run.partition.boxes();
   manifest.partition = run.partition.to_json();

@@ -30,6 +30,7 @@ Manifest manifest_of(const RegionCloud& cloud, const RegionJobOptions& options, 
   manifest.inputs = cloud.inputs;
   manifest.dimension = cloud.dimension;
   manifest.crs = cloud.crs;
+  manifest.unit = cloud.unit;
   manifest.partition_kind = name_of(whole.kind());
   manifest.boxes = whole.boxes();
   // The partition that is all of space has no dimension of its own.
@@ -89,6 +90,7 @@ Result<RegionCloud> open_regions(const std::vector<std::string>& inputs, const R
   for (const auto& file : cloud.files()) opened.inputs.push_back({file.path.string(), file.bytes, file.modified_ns});
   opened.schema = cloud.schema();
   opened.crs = cloud.crs();
+  opened.unit = cloud.unit();
   opened.warnings = cloud.warnings();
   opened.dimension = cloud.options().dimension;
   if (opened.dimension == 2 && (std::isfinite(options.box.lo.z) || std::isfinite(options.box.hi.z)))

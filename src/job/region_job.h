@@ -35,7 +35,7 @@ struct RegionJobOptions {
 struct RegionCloud {
   std::vector<Manifest::Input> inputs;
   std::vector<Attribute> schema;
-  std::string crs;
+  std::string crs, unit;
   std::vector<std::string> warnings;
   int dimension = 3;
   std::uint64_t points = 0;  // in all files, including points that filters drop

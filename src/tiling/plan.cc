@@ -203,6 +203,7 @@ class PlanReader {
       const auto found = std::find(type_names.begin(), type_names.end(), type);
       if (found == type_names.end()) return bad("attribute " + a.name + " has an unknown type");
       a.type = static_cast<AttributeType>(found - type_names.begin());
+      if (from.contains("unit") && !read_string(at(from, "unit"), a.unit)) return bad("a unit is not text");
       run_.schema.push_back(std::move(a));
     }
     const json& inputs = at(root_, "inputs");
@@ -226,6 +227,7 @@ class PlanReader {
     const bool read = !root_.contains("keep") || read_string(at(root_, "keep"), keep);
     if (!read || !kept_point_of(keep)) return bad("keep is not a known choice");
     run_.keep = *kept_point_of(keep);
+    if (root_.contains("unit") && !read_string(at(root_, "unit"), run_.unit)) return bad("the unit is not text");
     if (!read_string(at(root_, "crs"), run_.crs) || !read_string(at(root_, "options_key"), run_.options_key)) {
       return bad("crs or options_key is not text");
     }
@@ -307,6 +309,7 @@ Result<std::uint64_t> write_plan(const RoutedCloud& run) {
   json schema = json::array();
   for (const Attribute& a : run.schema) {
     schema.push_back({{"name", a.name}, {"type", type_names[static_cast<std::size_t>(a.type)]}});
+    if (!a.unit.empty()) schema.back()["unit"] = a.unit;
   }
   json inputs = json::array();
   for (const InputFile& i : run.inputs) {
@@ -328,6 +331,7 @@ Result<std::uint64_t> write_plan(const RoutedCloud& run) {
     plan["counts"]["moved"] = run.counts.moved;
     plan["counts"]["snapped"] = run.counts.snapped;
   }
+  if (!run.unit.empty()) plan["unit"] = run.unit;
   if (run.keep != DuplicatePolicy::first) plan["keep"] = name_of(run.keep);
   // File names and coordinate systems need not be UTF-8; JSON must be.
   const std::string text = sealed_plan(json_text(plan));

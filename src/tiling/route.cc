@@ -177,6 +177,7 @@ Result<RoutedCloud> route(const Cloud& cloud, const std::filesystem::path& folde
   run.keep = cloud.options().keep;
   run.schema = cloud.schema();
   run.crs = cloud.crs();
+  run.unit = cloud.unit();
   run.options_key = options.options_key;
   for (const FileInfo& file : cloud.files()) run.inputs.push_back({file.path.string(), file.bytes, file.modified_ns});
   const std::size_t row = row_bytes(run.schema);

@@ -64,6 +64,7 @@ struct RoutedCloud {
   std::vector<Attribute> schema;
   std::vector<InputFile> inputs;
   std::string crs;
+  std::string unit;         // of the coordinates; "" when unknown
   std::string options_key;  // equal keys mean the same job; a resume with another key is refused
   // The checksum of the run's plan. It depends on the tile and the bits of every point, so it tells the run from all
   // others. What tiles put on scratch contains it.

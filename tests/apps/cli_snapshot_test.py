@@ -1,4 +1,6 @@
 """Snapshots of simulations as a user meets them: HDF5 files like those of Gadget, AREPO and SWIFT, written by h5py."""
+import gzip
+import pathlib
 import unittest
 
 import h5py
@@ -97,6 +99,66 @@ class Snapshots(CliTest):
         (self.folder / "snap.2.hdf5").write_bytes(whole[:len(whole) // 2])
         self.refused(BAD_INPUT, "info", "snap.0.hdf5", "snap.1.hdf5", "snap.2.hdf5", says="snap.2.hdf5: is no HDF5 file that can be read, or is damaged")
 
+    def test_particles_of_some_types_are_read_and_keep_their_numbers(self):
+        positions = self.write("snap.hdf5")
+        read = self.arrays("snap.hdf5", "--particles", "gas,stars")
+        kept = np.concatenate([positions[:40], positions[100:]])
+        self.assertTrue(np.array_equal(read["points"], kept))
+        self.assertEqual(sorted(read["ids"].tolist()), [*range(40), *range(100, 105)])
+        dark = self.arrays("snap.hdf5", "--particles", "1")
+        self.assertTrue(np.array_equal(dark["points"], positions[40:100]))
+        self.assertNotIn("Density", dark)
+        one = self.json_lines(self.ok("triangulate", "snap.hdf5", "-o", "a", "--particles", "dark", "--periodic", "file", "--json"))[-1]
+        np.save(self.folder / "dark.npy", positions[40:100])
+        other = self.json_lines(self.ok("triangulate", "dark.npy", "-o", "b", "--periodic", "1000", "--json"))[-1]
+        self.assertEqual([one[k] for k in ("vertices", "cells", "filtered")], [other["vertices"], other["cells"], 45])
+        self.refused(USAGE, "info", "snap.hdf5", "--particles", "disk",
+                     says="--particles: the input has no particles of type 2 (disk), but 40 of type 0 (gas), 60 of type 1 (dark-matter), 5 of type 4 (stars)")
+        self.refused(USAGE, "info", "snap.hdf5", "--particles", "plasma", says=["--particles", "'plasma' is no type of particles"])
+
+    def test_a_type_that_is_not_wanted_is_not_looked_at(self):
+        self.write("snap.hdf5")
+        with h5py.File(self.folder / "snap.hdf5", "r+") as file:
+            del file["PartType0/Coordinates"]
+        self.refused(BAD_INPUT, "info", "snap.hdf5", says="its group /PartType0 has neither Coordinates nor IntegerCoordinates")
+        self.assertEqual(len(self.arrays("snap.hdf5", "--particles", "stars")["points"]), 5)
+
+    def test_a_file_of_a_set_may_have_no_particles(self):
+        counts = [(10, 20, 0, 0, 0, 0), (0, 0, 0, 0, 0, 0)]
+        self.write("snap.0.hdf5", counts=counts[0], files=2)
+        with h5py.File(self.folder / "snap.0.hdf5") as file, h5py.File(self.folder / "snap.1.hdf5", "w") as empty:
+            file.copy("Header", empty)
+            empty["Header"].attrs["NumPart_ThisFile"] = np.zeros(6, "u4")
+        self.assertEqual(len(self.arrays("snap.0.hdf5", "snap.1.hdf5")["points"]), 30)
+
+    def test_info_tells_types_units_and_the_cosmology(self):
+        self.write("snap.hdf5")
+        with h5py.File(self.folder / "snap.hdf5", "r+") as file:
+            file["Header"].attrs["Redshift"] = 1.0
+            file.create_group("Parameters").attrs.update({"HubbleParam": 0.6774, "Omega0": 0.3, "UnitLength_in_cm": 3.085678e21})
+            for number in (0, 1, 4):
+                for name, numbers in {"Coordinates": (1, -1, 1, 0, 0, 3.085678e21), "Velocities": (0.5, 0, 0, 0, 1, 1e5)}.items():
+                    keys = ("a_scaling", "h_scaling", "length_scaling", "mass_scaling", "velocity_scaling", "to_cgs")
+                    file[f"PartType{number}/{name}"].attrs.update(dict(zip(keys, map(np.float64, numbers))))
+            swift = file["PartType0/Density"].attrs  # as SWIFT writes them
+            swift["Conversion factor to CGS (not including cosmological corrections)"] = [6.8e-31]
+            for key, value in {"a-scale exponent": -3, "h-scale exponent": 0, "U_L exponent": -3, "U_M exponent": 1, "U_t exponent": 0}.items():
+                swift[key] = np.array([value], "f4")
+        told = self.json_lines(self.ok("info", "snap.hdf5", "--json"))[-1]["files"][0]
+        self.assertEqual(told["particles"], [{"type": 0, "name": "gas", "count": 40, "mass": None},
+                                             {"type": 1, "name": "dark-matter", "count": 60, "mass": 0.25},
+                                             {"type": 4, "name": "stars", "count": 5, "mass": None}])
+        self.assertEqual(told["stated"], {"time": 0.5, "redshift": 1, "hubble": 0.6774, "omega_matter": 0.3, "unit_length_cgs": 3.085678e21})
+        self.assertEqual(told["units"], {"coordinates": "3.08568e+21 a h^-1 cm", **{v: "100000 a^0.5 cm s^-1" for v in ("vx", "vy", "vz")},
+                                         "Density": "6.8e-31 a^-3 cm^-3 g"})
+        text = self.ok("info", "snap.hdf5")
+        self.assertRegex(text, r"particles +40 gas \(type 0\), 60 dark-matter \(type 1\) of mass 0.25 each, 5 stars \(type 4\)")
+        self.assertRegex(text, r"units +coordinates \[3.08568e\+21 a h\^-1 cm\], vx")
+        self.ok("triangulate", "snap.hdf5", "-o", "out", "--attributes", "Density,vx", "--quiet")
+        self.ok("measure", "out", "--volume", "--quiet")
+        kept = self.json_lines(self.ok("info", "out", "--json"))[-1]["units"]
+        self.assertEqual(kept, {"coordinates": told["units"]["coordinates"], "Density": "6.8e-31 a^-3 cm^-3 g", "vx": "100000 a^0.5 cm s^-1"})
+
     def test_a_file_may_name_no_other_files(self):
         secret = np.zeros((30, 3))
         secret.tofile(self.folder / "secret.bin")
@@ -146,6 +208,41 @@ class Snapshots(CliTest):
             (self.folder / "bad.hdf5").write_bytes(bad)
             done = self.run_tessera("triangulate", "bad.hdf5", "-o", "bad", "--quiet", "--overwrite", "--skip-invalid")
             self.assertIn(done.returncode, (0, BAD_INPUT), done.stderr)
+
+
+class Tables(CliTest):
+    """Tables in FITS that CFITSIO wrote; tests/input/fits_reader_test.cc has more of them."""
+    DATA = pathlib.Path(__file__).resolve().parents[1] / "data" / "fits"
+
+    def test_a_survey_is_triangulated_in_a_stated_cosmology(self):
+        catalogue = self.DATA / "catalogue.fits"
+        told = self.json_lines(self.ok("info", catalogue, "--cosmology", "70,0.3", "--json"))[-1]["files"][0]
+        self.assertEqual((told["points"], told["units"]["coordinates"], told["units"]["MAG"]), (7, "Mpc", "mag"))
+        self.assertRegex(self.ok("info", catalogue, "--cosmology", "70,0.3"), r"format +FITS, HDU 1 'GALAXIES', coordinates from RA, DEC, Z; left out: NAME \(text\)")
+        self.ok("triangulate", catalogue, "-o", "far", "--cosmology", "70,0.3", "--attributes", "ID", "--quiet")
+        self.ok("triangulate", catalogue, "-o", "near", "--cosmology", "100,0.3", "--quiet")
+        self.ok("verify", "far", "--quiet")
+        for result in ("far", "near"):
+            self.ok("export", result, "-o", result + "-npy", "--format", "npy", "--quiet")
+        read = lambda result, name: np.load(self.folder / f"{result}-npy" / f"{name}.npy")
+        far, near = (read(result, "points")[np.argsort(read(result, "ids"))] for result in ("far", "near"))
+        self.assertLess(np.abs(far * 0.7 - near).max(), 1e-10)
+        # The second galaxy is at the redshift 0.1f, as SciPy integrates it.
+        self.assertAlmostEqual(np.linalg.norm(far[1]), 418.454494, delta=1e-6)
+        self.refused(USAGE, "triangulate", catalogue, "-o", "none", says=["the redshift 'Z'", "--cosmology"])
+        self.refused(USAGE, "triangulate", catalogue, "-o", "none", "--cosmology", "70", says=["--cosmology", "'70' is not H0"])
+        self.refused(USAGE, "triangulate", catalogue, "-o", "none", "--cosmology", "70,3", says=["--cosmology", "a number from 0 to 1"])
+
+    def test_a_table_its_columns_and_packed_files(self):
+        several = self.DATA / "several.fits"
+        packed = self.folder / "several.fits.gz"
+        packed.write_bytes(gzip.compress(several.read_bytes()))
+        options = ["--hdu", "PARTS", "--columns", "x=XPOS,y=YPOS", "--json"]
+        told = [self.json_lines(self.ok("triangulate", file, "-o", out, *options))[-1] for file, out in ((several, "a"), (packed, "b"))]
+        self.assertEqual(told[0]["digest"], told[1]["digest"])
+        self.assertEqual((told[0]["dimension"], told[0]["vertices"]), (2, 7))
+        self.refused(USAGE, "info", several, "--hdu", "9", says="has no HDU '9'; its tables are HDU 3 'HALOS', HDU 4 'PARTS'")
+        self.refused(USAGE, "info", several, "--columns", "x=pos", says=["--columns", "the keys must be x,y or x,y,z"])
 
 
 if __name__ == "__main__":

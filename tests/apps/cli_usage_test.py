@@ -141,11 +141,11 @@ class Sources(CliTest):
         for line in shipped.read_text().splitlines():
             key = line.removeprefix("# ").split(" =")[0]
             shown = line.startswith("# ") and " = " in line.split("#")[1] and "-" + key in KEYS
-            lines.append(line[2:] if shown and key not in ("crop", "class", "scan", "columns", "crs", "without", "attributes", "scratch", "format", "status") else line)
+            lines.append(line[2:] if shown and key not in ("crop", "class", "scan", "particles", "columns", "hdu", "cosmology", "crs", "without", "attributes", "scratch", "format", "status") else line)
         self.ok("info", self.cloud, "--config", self.write("uncommented.toml", "\n".join(lines)))
 
 
-KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class", "scan", "columns", "keep", "crs", "returns", "without",
+KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class", "scan", "particles", "columns", "hdu", "cosmology", "keep", "crs", "returns", "without",
                               "attributes", "z", "skip-invalid", "neighbors", "recursive", "endpoint", "profile", "anonymous", "requester-pays", "kernel", "quiet", "verbose", "json",
                               "against-cgal", "scratch", "stats", "format", "index", "max-edge", "seed", "server", "token-file", "token", "ca",
                               "patience", "status", "limit", "max-points", "max-seconds", "partial", "scan-files", "method", "weights", "res", "type", "interval", "base", "smooth", "min-length", "index-every", "digits", "hillshade", "azimuth", "altitude"]}

@@ -188,9 +188,35 @@ def particles(here):
     here.table("world.csv", "lon,lat", chance.random((400, 2)) * (360, 170) - (180, 85))
     with h5py.File(here.folder / "snap_064.hdf5", "w") as file:
         header = file.create_group("Header").attrs
-        header["NumPart_ThisFile"] = np.array([0, 100], "u4")
+        header["NumPart_ThisFile"] = np.array([50, 100], "u4")
         header["BoxSize"] = 100.0
-        file["PartType1/Coordinates"] = np.random.default_rng(4).random((100, 3)) * 100
+        for number, count in enumerate((50, 100)):
+            file[f"PartType{number}/Coordinates"] = np.random.default_rng(number).random((count, 3)) * 100
+
+
+def fits_table(path, name, columns):
+    """A FITS file with one table of doubles; columns of several numbers have them in rows."""
+    cards = lambda lines: b"".join(f"{line:80}".encode() for line in [*lines, "END"])
+    padded = lambda data: data + bytes(-len(data) % 2880)
+    header = lambda lines: cards(lines) + b" " * (-80 * (len(lines) + 1) % 2880)
+    card = lambda key, value: f"{key:8}= {value:>20}"
+    rows = np.column_stack([np.asarray(values).reshape(-1, 1) if np.ndim(values) == 1 else values for values in columns.values()])
+    lines = [card("XTENSION", "'BINTABLE'"), card("BITPIX", 8), card("NAXIS", 2), card("NAXIS1", 8 * rows.shape[1]), card("NAXIS2", len(rows)),
+             card("PCOUNT", 0), card("GCOUNT", 1), card("TFIELDS", len(columns)), card("EXTNAME", f"'{name}'")]
+    for i, (column, values) in enumerate(columns.items(), 1):
+        lines += [card(f"TTYPE{i}", f"'{column}'"), card(f"TFORM{i}", f"'{1 if np.ndim(values) == 1 else np.shape(values)[1]}D'")]
+    primary = header([card("SIMPLE", "T"), card("BITPIX", 8), card("NAXIS", 0)])
+    path.write_bytes(primary + header(lines) + padded(rows.astype(">f8").tobytes()))
+
+
+def surveys(here):
+    particles(here)
+    chance = np.random.default_rng(5)
+    ra, dec, z, distance = chance.random(60) * 360, chance.random(60) * 180 - 90, chance.random(60), chance.random(60) * 1000
+    fits_table(here.folder / "galaxies.fits", "GALAXIES", {"RA": ra, "DEC": dec, "Z": z})
+    fits_table(here.folder / "halos.fits", "HALOS", {"pos": chance.random((60, 3)) * 100, "mass": z})
+    fits_table(here.folder / "catalogue.fits", "ALL", {"RA_DEG": ra, "DEC_DEG": dec, "ZSPEC": z, "DIST": distance, "XPOS": dec, "YPOS": z, "ZPOS": ra,
+                                                       "CENTRE": chance.random((60, 3))})
 
 
 def voids(here):
@@ -203,7 +229,7 @@ def nothing(here):
 
 
 PAGES = {
-    "alpha.md": ground_and_out, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "periodic.md": particles, "queries.md": questions,
+    "alpha.md": ground_and_out, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "periodic.md": particles, "snapshots.md": surveys, "queries.md": questions,
     "regions.md": one_file, "surfaces.md": surfaces, "terrain.md": terrain, "track.md": ground_and_out, "updates.md": updates,
     "viewer.md": ground_and_out, "volumes.md": volumes, "voids.md": voids, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
     "instead-of-pdal.md": nothing, "instead-of-lastools.md": nothing, "instead-of-cgal.md": nothing, "instead-of-gmsh.md": nothing,

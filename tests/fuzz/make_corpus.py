@@ -199,6 +199,20 @@ def ept(kind, tile, pages, points, tiles=1):
     return b'\0'.join([json.dumps(text).encode() for text in (described, *pages)] + [tile])
 
 
+def fits_table(columns, rows):
+    """A FITS file with one table: (name, form) of each column, perhaps with a further card and its value."""
+    card = lambda key, value: f'{key:8}= {value:>20}'
+    width = {'D': 8, 'E': 4, 'K': 8, 'I': 2, 'J': 4, 'L': 1, 'A': 1, 'P': 8}
+    bytes_of = lambda form: 2 if form[-1] == 'X' else int(form[0]) * width[form[1]]
+    row = sum(bytes_of(form) for _, form, *_ in columns)
+    lines = [card('XTENSION', "'BINTABLE'"), card('BITPIX', 8), card('NAXIS', 2), card('NAXIS1', row), card('NAXIS2', len(rows) // row),
+             card('PCOUNT', 0), card('GCOUNT', 1), card('TFIELDS', len(columns))]
+    for i, (name, form, *more) in enumerate(columns, 1):
+        lines += [card(f'TTYPE{i}', f"'{name}'"), card(f'TFORM{i}', f"'{form}'")] + ([card(f'{more[0]}{i}', more[1])] if more else [])
+    header = lambda lines: b''.join(f'{line:80}'.encode() for line in [*lines, 'END']).ljust(2880)
+    return header([card('SIMPLE', 'T'), card('BITPIX', 8), card('NAXIS', 0)]) + header(lines) + rows
+
+
 def main():
     data, out = map(pathlib.Path, sys.argv[1:3])
 
@@ -240,6 +254,12 @@ def main():
     for kind in ('<f8', '>f8', '<f4', '>f4'):
         for columns in (2, 3):
             write('npy', f'{"le" if kind[0] == "<" else "be"}_{kind[1:]}_{columns}.npy', npy(kind, columns))
+
+    columns = [('RA', '1D'), ('DEC', '1D'), ('Z', '1E'), ('ID', '1K', 'TZERO', 2**63), ('MAG', '1I', 'TSCAL', 0.5), ('N', '1J', 'TNULL', -1),
+               ('SHAPE', '2E'), ('FLAG', '1L'), ('NAME', '3A'), ('BITS', '9X')]
+    rows = b''.join(struct.pack('>ddfqhiffc3s2x', 40 * i, 9 * i, i / 8, i - 2**63, i, i - 1, i, -i, b'FT'[i % 2:][:1], b'abc') for i in range(4))
+    write('fits', 'sky.fits', fits_table(columns, rows))
+    write('fits', 'positions.fits', fits_table([('pos', '3E'), ('list', '1PE')], b''.join(struct.pack('>fffii', i, i * i, 9 - i, 0, 0) for i in range(3))))
 
     text = b''.join(b'%d %d 0.5\n' % (i, i * i % 97) for i in range(60))
     las = small_las((data / LAS[0]).read_bytes())

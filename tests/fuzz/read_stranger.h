@@ -11,6 +11,7 @@
 
 #include "src/input/bytes/byte_source.h"
 #include "src/input/bytes/spool.h"
+#include "src/input/cosmology.h"
 #include "src/input/reader.h"
 
 namespace tessera {
@@ -23,6 +24,9 @@ inline void must(bool holds) {
 inline ReadHints stranger_hints() {
   return {.crop = Box{.lo = {0, 0, -1e9}, .hi = {1e6, 1e7, 1e9}}, .resolution = 0.5, .threads = 2};
 }
+
+// What lets tables of FITS with redshifts be read.
+inline ReadHints table_hints() { return {.cosmology = Cosmology{.hubble = 70, .matter = 0.3}}; }
 
 // Reads the bytes as a file of that name, with all its attributes, and holds the reader to its promises: a sentence
 // that names the file, or as many points as announced, in batches that are not huge; rows as long as asked for; after a

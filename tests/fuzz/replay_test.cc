@@ -36,6 +36,7 @@ TEST(FuzzReplay, EveryKnownInputIsReadOrRefusedWithASentence) {
           "stranger.pcd", "stranger.ptx", "stranger.pts", "stranger.npy", "stranger.xyz", "stranger.xyz.gz"})
       read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), name);
     read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "stranger.laz", stranger_hints());
+    read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "stranger.fits", table_hints());
     read_stranger_ept(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   }
 }

@@ -98,6 +98,26 @@ TEST(ColumnNames, WithoutThemAFirstColumnThatCountsUpIsTold) {
   EXPECT_FALSE(counts("1,5\n2,7\n3,9\n")) << "nothing is left for x and y";
 }
 
+TEST(ColumnNames, OfFitsAreEntriesThatTogetherMakeAPoint) {
+  using Entries = std::vector<std::pair<std::string, std::string>>;
+  const auto why = [](const Names& names) {
+    const Status status = check_columns(names);
+    return status ? std::string() : status.error().where;
+  };
+  for (const Names& good : {Names{"x=A", "y=B"}, Names{"z=A=B", "y=x", "x=C"}, Names{"position=P"},
+                            Names{"dec=D", "ra=R", "redshift=Z"}, Names{"ra=R", "dec=D", "distance=Z"}})
+    EXPECT_EQ(why(good), "");
+  EXPECT_EQ(why({"x=A", "y="}), "'y=' is not KEY=COLUMN, as x=XPOS");
+  EXPECT_EQ(why({"x=A", "y"}), "'y' is not KEY=COLUMN, as x=XPOS");
+  const std::string keys =
+      "the keys must be x,y or x,y,z, or position, or ra,dec,distance, or ra,dec,redshift, as in x=XPOS,y=YPOS,z=ZPOS";
+  for (const Names& bad : {Names{"x=A"}, Names{"x=A", "x=B"}, Names{"x=A", "y=B", "y=C"}, Names{"ra=A", "dec=B"},
+                           Names{"x=A", "y=B", "z=C", "mass=D"}, Names{"=A"}, Names{"position=A", "x=B"}})
+    EXPECT_EQ(why(bad), keys);
+  EXPECT_EQ(named_columns(Names{"redshift=a=b", "ra=c", "dec=d"}),
+            (Entries{{"ra", "c"}, {"dec", "d"}, {"redshift", "a=b"}}));
+}
+
 TEST(ColumnNames, OfACloudAreForFilesThatHaveColumns) {
   const TempFolder folder;
   const auto path = folder.write("a.csv", survey + "9,6000091,500021,9,GND\n").string();

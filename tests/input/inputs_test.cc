@@ -61,11 +61,12 @@ TEST_F(Inputs, OfAFolderWithoutPointFilesAreAnError) {
   file("block/sub/a.las");
   file("block/read.me");
   file("out/.run/plan.json");
-  EXPECT_EQ(names({.patterns = {at("block")}}),
-            at("block") +
-                ": holds no point files (.las, .laz, .ply, .off, .obj, .stl, .npy, "
-                ".pcd, .e57, .ptx, .xyz, .csv, .tsv, .txt, .asc, .pts, .gadget, .hdf5, .h5, .tipsy, .dat, these "
-                "with .gz or .zst, and ept.json); recursive=true looks into its subfolders, too");
+  EXPECT_EQ(
+      names({.patterns = {at("block")}}),
+      at("block") +
+          ": holds no point files (.las, .laz, .ply, .off, .obj, .stl, .npy, "
+          ".pcd, .e57, .ptx, .xyz, .csv, .tsv, .txt, .asc, .pts, .gadget, .hdf5, .h5, .tipsy, .fits, .fit, .dat, these "
+          "with .gz or .zst, and ept.json); recursive=true looks into its subfolders, too");
   EXPECT_EQ(find({.patterns = {at("block")}}).error().code, Errc::io);
   EXPECT_EQ(names({.patterns = {at("out")}}),
             at("out") + ": is a result folder, and holds no input; exporting it makes point files");

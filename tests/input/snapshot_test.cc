@@ -130,6 +130,59 @@ TEST(Gadget, IsReadInBothFormatsByteOrdersAndWidths) {
       }
 }
 
+// Bytes that fail where something was damaged.
+class Untouched : public ByteSource {
+ public:
+  Untouched(Bytes bytes, std::uint64_t begin, std::uint64_t end)
+      : bytes_(memory_source("snap", std::move(bytes))), begin_(begin), end_(end) {}
+  const std::filesystem::path& path() const override { return bytes_->path(); }
+  std::uint64_t size() const override { return bytes_->size(); }
+  std::int64_t modified_ns() const override { return 0; }
+  Status read(std::uint64_t offset, std::span<std::byte> out) const override {
+    if (offset < end_ && offset + out.size() > begin_) return error(Errc::io, "snap: what is not wanted was read");
+    return bytes_->read(offset, out);
+  }
+  Status check_unchanged() const override { return success(); }
+
+ private:
+  std::unique_ptr<ByteSource> bytes_;
+  std::uint64_t begin_, end_;
+};
+
+TEST(Gadget, ParticlesOfOtherTypesAreSkippedUnread) {
+  for (const bool labels : {false, true}) {
+    SCOPED_TRACE(labels);
+    const Bytes bytes = gadget({.labels = labels});
+    // The positions of the dark matter, particles 2 to 4, behind header, labels and lengths.
+    const std::uint64_t at = 264 + (labels ? 2 * 16 : 0) + 4 + 2 * 12;
+    auto opened = open_reader(std::make_unique<Untouched>(bytes, at, at + 3 * 12), some, {.particles = {0, 4}});
+    ASSERT_EQ(sentence(opened), "");
+    PointReader& reader = *opened.value();
+    EXPECT_EQ(reader.info().points, 3u);
+    EXPECT_EQ(reader.info().points_passed_over, 3u);
+    ASSERT_EQ(reader.info().particles.size(), 3u);
+    EXPECT_EQ(reader.info().particles[1].count, 3u);
+    EXPECT_EQ(reader.info().particles[1].mass, 0.5);
+    PointBatch batch;
+    ASSERT_TRUE(reader.next(batch));
+    EXPECT_EQ(batch.points, (std::vector<Point>{{0, 10, 20}, {1, 11, 21}}));
+    EXPECT_EQ(batch.passed_over, 0u);
+    ASSERT_TRUE(reader.next(batch));
+    EXPECT_EQ(batch.points, (std::vector<Point>{{5, 15, 25}}));
+    EXPECT_EQ(batch.passed_over, 3u);
+    EXPECT_EQ(reader.place(0), "particle 5");
+    ASSERT_TRUE(reader.next(batch));
+    EXPECT_TRUE(batch.points.empty());
+    ASSERT_TRUE(reader.seek(2));
+    ASSERT_TRUE(reader.next(batch));
+    EXPECT_EQ(batch.points, (std::vector<Point>{{5, 15, 25}}));
+  }
+  const auto dark = read_bytes(gadget({}), "snap", {}, {.particles = {1}});
+  ASSERT_EQ(sentence(dark), "");
+  EXPECT_EQ(dark.value().points, (std::vector<Point>{{2, 12, 22}, {3, 13, 23}, {4, 14, 24}}));
+  for (const Attribute& attribute : dark.value().info.attributes) EXPECT_NE(attribute.name, "internal_energy");
+}
+
 TEST(Gadget, WhatIsCutOffOrDamagedIsRefused) {
   for (const bool labels : {false, true}) {
     const Bytes whole = gadget({.labels = labels});
@@ -192,6 +245,35 @@ TEST_F(Snapshots, OfSeveralFilesAreOneCloudWithAllItsFiles) {
   EXPECT_EQ(refusal({d, a, b, e, c}), "");
 }
 
+TEST_F(Snapshots, FilesOfASetMayHaveNoneOfTheParticles) {
+  const Made of_three{.files = 3};
+  const auto a = write("snap.0", of_three, 2), b = write("snap.1", of_three, 4), c = write("snap.2", of_three, 0);
+  EXPECT_EQ(refusal({a, b, c}), "");
+  const auto alone = folder_.write("alone", gadget({.particles = {}, .total = {}})).string();
+  EXPECT_EQ(refusal({alone}), "alone: holds no particles");
+}
+
+TEST_F(Snapshots, TypesThatNoFileHasAreRefusedWithThoseThatThereAre) {
+  const auto whole = folder_.write("whole", gadget({})).string();
+  EXPECT_EQ(sentence(Cloud::open({whole}, {.particles = {0, 5}})),
+            "particles: the input has no particles of type 5 (black-holes), but 2 of type 0 (gas), 3 of type 1 "
+            "(dark-matter), 1 of type 4 (stars)");
+  const auto text = folder_.write("a.csv", "x,y,z\n1,2,3\n").string();
+  EXPECT_EQ(sentence(Cloud::open({text}, {.particles = {0}})),
+            text + ": has no attribute 'particle_type', so particles cannot choose points by it");
+  const auto cloud = Cloud::open({whole, whole}, {.particles = {4}});
+  ASSERT_EQ(sentence(cloud), "");
+  std::vector<std::uint64_t> ids;
+  const auto counts = cloud.value().for_each_batch([&](CloudBatch& batch) {
+    for (const auto& p : batch.points) ids.push_back(p.id.value);
+    return success();
+  });
+  ASSERT_EQ(sentence(counts), "");
+  EXPECT_EQ(ids, (std::vector<std::uint64_t>{5, 11}));  // ranks in the whole input, as without the filter
+  EXPECT_EQ(counts.value().read, 12u);
+  EXPECT_EQ(counts.value().filtered, 10u);
+}
+
 // The same particles in Tipsy: two of gas, three of dark matter, one star.
 Bytes tipsy(bool swapped, bool padded) {
   Writer out(swapped);
@@ -231,6 +313,15 @@ TEST(Tipsy, IsReadInBothByteOrders) {
         EXPECT_EQ(cell<float>(read.value(), schema, i, 5), -n);
       }
     }
+}
+
+TEST(Tipsy, ParticlesOfTheTypesThatAreNamedAreRead) {
+  const auto read = read_bytes(tipsy(false, true), "disk", {}, {.particles = {1}});
+  ASSERT_EQ(sentence(read), "");
+  EXPECT_EQ(read.value().points, (std::vector<Point>{{2, 12, 22}, {3, 13, 23}, {4, 14, 24}}));
+  EXPECT_EQ(read.value().info.points, 3u);
+  EXPECT_EQ(read.value().info.points_passed_over, 3u);
+  EXPECT_EQ(read.value().info.particles.size(), 3u);
 }
 
 TEST(Tipsy, OfAnotherLengthThanItsHeaderSaysIsNone) {

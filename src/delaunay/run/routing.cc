@@ -9,6 +9,7 @@
 #include "src/base/files/names.h"
 #include "src/base/periodic_box.h"
 #include "src/input/column_names.h"
+#include "src/input/cosmology.h"
 
 namespace tessera {
 namespace {
@@ -61,6 +62,14 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
   options.without.assign(routing.without().begin(), routing.without().end());
   options.columns.assign(routing.columns().begin(), routing.columns().end());
   if (!check_columns(options.columns)) return refuse("has names of columns that cannot be read as points");
+  options.particles.assign(routing.particles().begin(), routing.particles().end());
+  options.hdu = routing.hdu();
+  if (routing.cosmology_size() > 0) {
+    options.cosmology =
+        Cosmology{.hubble = routing.cosmology(0), .matter = routing.cosmology().at(routing.cosmology_size() - 1)};
+    if (routing.cosmology_size() != 2 || !why_no_cosmology(*options.cosmology).empty())
+      return refuse("has an impossible cosmology");
+  }
   options.resolution = routing.resolution();
   if (routing.period_size() > 0) {
     if (routing.period_size() != 3) return refuse("has an impossible period");
@@ -129,6 +138,12 @@ Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud
   routing.mutable_scans()->Assign(options.scans.begin(), options.scans.end());
   for (const std::string& flag : options.without) routing.add_without(flag);
   for (const std::string& name : options.columns) routing.add_columns(name);
+  routing.mutable_particles()->Assign(options.particles.begin(), options.particles.end());
+  routing.set_hdu(options.hdu);
+  if (options.cosmology) {
+    routing.add_cosmology(options.cosmology->hubble);
+    routing.add_cosmology(options.cosmology->matter);
+  }
   routing.set_resolution(options.resolution);
   if (options.period.any())
     routing.mutable_period()->Assign(options.period.length.begin(), options.period.length.end());

@@ -6,6 +6,7 @@
 #include "src/front/api/errors.h"
 #include "src/front/api/options_inside.h"
 #include "src/input/column_names.h"
+#include "src/input/snapshot/particle_types.h"
 #include "src/job/machine.h"
 #include "src/job/parse_crs.h"
 #include "src/tiling/partition.h"
@@ -52,6 +53,11 @@ JobOptions job_options(const TriangulationOptions& options) {
   job.cloud.returns = checked(parse_returns(asked.returns), "returns");
   if (const Status known = check_flags(job.cloud.without); !known) checked(Result<int>(known.error()), "without");
   if (const Status named = check_columns(job.cloud.columns); !named) checked(Result<int>(named.error()), "columns");
+  job.cloud.particles = checked(snapshot::types_of_names(asked.particles), "particles");
+  if (job.cloud.cosmology) {
+    const std::string why = why_no_cosmology(*job.cloud.cosmology);
+    require(why.empty(), option("cosmology") + ": " + why);
+  }
   const auto is_class = [](int number) { return number >= 0 && number <= 255; };
   require(std::all_of(job.cloud.classes.begin(), job.cloud.classes.end(), is_class),
           option("class") + ": LAS has the classes 0 to 255");

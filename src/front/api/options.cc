@@ -103,6 +103,10 @@ TriangulationOptions& TriangulationOptions::scans(std::vector<std::uint32_t> sca
   impl_->job.cloud.scans = std::move(scans);
   return *this;
 }
+TriangulationOptions& TriangulationOptions::particles(std::vector<std::string> types) {
+  impl_->particles = std::move(types);
+  return *this;
+}
 TriangulationOptions& TriangulationOptions::returns(const std::string& which) {
   impl_->returns = which;
   return *this;
@@ -113,6 +117,14 @@ TriangulationOptions& TriangulationOptions::without(std::vector<std::string> fla
 }
 TriangulationOptions& TriangulationOptions::columns(std::vector<std::string> names) {
   impl_->job.cloud.columns = std::move(names);
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::hdu(const std::string& which) {
+  impl_->job.cloud.hdu = which;
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::cosmology(double hubble, double matter) {
+  impl_->job.cloud.cosmology = Cosmology{.hubble = hubble, .matter = matter};
   return *this;
 }
 TriangulationOptions& TriangulationOptions::resolution(double distance) {

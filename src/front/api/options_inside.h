@@ -16,6 +16,7 @@ struct TriangulationOptions::Impl {
               periodic_snap = "yes";
   remote::S3Options s3;
   std::vector<double> crop;
+  std::vector<std::string> particles;
   std::filesystem::path folder;
   bool overwrite = false, resume = false;
   std::function<void(const JobProgress&)> progress;

@@ -39,12 +39,20 @@ void add_source_options(Command& command) {
   add_store_options(command);
   add_value(command, "class", "LIST", "keep only points of these LAS classes, for example 2,9");
   add_value(command, "scan", "LIST", "E57, PTX: keep only points of these scans, numbered from 0, for example 0,2");
+  add_value(command, "particles", "TYPES",
+            "snapshots: read only particles of these types: gas, dark-matter, disk, bulge, stars, black-holes, "
+            "neutrinos, or numbers; default: all");
   add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");
   add_value(command, "without", "FLAGS",
             "LAS: drop points with one of these flags: withheld, synthetic, overlap, key_point");
   add_value(command, "columns", "NAMES",
             "text, NumPy: the names of the columns, in order: x, y, z, the name of an attribute, or _ for a column to "
-            "leave out; for example p,y,x,z");
+            "leave out; for example p,y,x,z; FITS: which columns are coordinates, as x=XPOS,y=YPOS,z=ZPOS, "
+            "position=POS, or ra=RA,dec=DEC and redshift=Z or distance=D");
+  add_value(command, "hdu", "WHICH", "FITS: the number or the name of the table; default: the first table");
+  add_value(command, "cosmology", "H0,OM",
+            "FITS: turn redshifts into comoving distances, in a flat universe with this H0 in km/s/Mpc and this "
+            "density of matter; for example 70,0.3");
   add_value(command, "crs", "CRS",
             "the coordinate system of all input files, whatever they say: EPSG:n, WKT, or a file with one of them");
   add_value(command, "attributes", "NAMES",
@@ -126,6 +134,9 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   options.cloud.classes = classes.value_or(std::vector<int>{});
   BOOST_OUTCOME_TRY(scans, settings.get("scan", [](const std::string& text) { return parse_scans(text); }));
   options.cloud.scans = scans.value_or(std::vector<std::uint32_t>{});
+  BOOST_OUTCOME_TRY(particles,
+                    settings.get("particles", [](const std::string& text) { return parse_particles(text); }));
+  options.cloud.particles = particles.value_or(std::vector<std::uint32_t>{});
   BOOST_OUTCOME_TRY(returns, settings.get("returns", [](const std::string& text) { return parse_returns(text); }));
   options.cloud.returns = returns.value_or(Returns::all);
   BOOST_OUTCOME_TRY(without, settings.get("without", [](const std::string& text) -> Result<std::vector<std::string>> {
@@ -136,6 +147,10 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   options.cloud.without = without.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(columns, settings.get("columns", parse_columns));
   options.cloud.columns = columns.value_or(std::vector<std::string>{});
+  options.cloud.hdu = settings.text("hdu").value_or("");
+  BOOST_OUTCOME_TRY(cosmology,
+                    settings.get("cosmology", [](const std::string& text) { return parse_cosmology(text); }));
+  options.cloud.cosmology = cosmology;
   BOOST_OUTCOME_TRY(crs, settings.get("crs", parse_crs));
   options.cloud.crs = crs.value_or("");
   BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));

@@ -1,6 +1,7 @@
 #include "src/input/cloud/cloud.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -12,19 +13,24 @@
 #include "src/input/cloud/inputs.h"
 #include "src/input/cloud/point_filter.h"
 #include "src/input/cloud/settle_period.h"
+#include "src/input/column_names.h"
+#include "src/input/snapshot/particle_types.h"
 #include "src/input/snapshot/snapshot_set.h"
 
 namespace tessera {
 namespace {
 
-// Adds the attributes of a file. An attribute keeps its type if all files agree, else it becomes a double.
+// Adds the attributes of a file. An attribute keeps its type if all files agree, else it becomes a double. Its unit is
+// unknown if files state different ones.
 void add_available(const FileInfo& file, std::vector<Attribute>& available) {
   for (const auto& a : file.attributes) {
     const auto same = std::find_if(available.begin(), available.end(), [&](auto& b) { return b.name == a.name; });
-    if (same == available.end())
+    if (same == available.end()) {
       available.push_back(a);
-    else if (same->type != a.type)
-      same->type = AttributeType::f64;
+      continue;
+    }
+    if (same->type != a.type) same->type = AttributeType::f64;
+    if (same->unit != a.unit) same->unit.clear();
   }
 }
 
@@ -42,6 +48,23 @@ Result<std::vector<Attribute>> choose(const std::vector<std::string>& wanted, co
     if (std::find(schema.begin(), schema.end(), *found) == schema.end()) schema.push_back(*found);
   }
   return schema;
+}
+
+// Adds what tells readers where points are.
+ReadHints coordinates_of(const CloudOptions& options, ReadHints hints) {
+  hints.columns = options.columns;
+  hints.hdu = options.hdu;
+  hints.cosmology = options.cosmology;
+  return hints;
+}
+
+// Adds what lets readers skip points.
+ReadHints filters_of(const CloudOptions& options, ReadHints hints) {
+  hints.crop = options.crop;
+  hints.scans = options.scans;
+  hints.particles = options.particles;
+  hints.resolution = options.resolution;
+  return hints;
 }
 
 struct Opened {
@@ -98,9 +121,49 @@ Status check_units(const FileInfo& file) {
 
 Status check_use_of_columns(const std::vector<FileInfo>& files, const CloudOptions& options) {
   const auto has_columns = [](const FileInfo& file) { return file.columns.has_value(); };
-  if (options.columns.empty() || std::any_of(files.begin(), files.end(), has_columns)) return success();
+  if (options.columns.empty() || are_entries(options.columns) || std::any_of(files.begin(), files.end(), has_columns))
+    return success();
   return error(Errc::usage,
                option("columns") + ": none of the input files is text or NumPy, and other files have no columns");
+}
+
+std::string common_unit(const std::vector<FileInfo>& files) {
+  const std::string& first = files.front().unit;
+  const bool same = std::all_of(files.begin(), files.end(), [&](const FileInfo& file) { return file.unit == first; });
+  return same ? first : "";
+}
+
+// An option for FITS that no file uses is a mistake.
+Status check_use_of_fits(const std::vector<FileInfo>& files, const CloudOptions& options) {
+  const auto any = [&](auto holds) { return std::any_of(files.begin(), files.end(), holds); };
+  const bool tables = any([](const FileInfo& file) { return file.format == "fits"; });
+  const auto refuse = [](const char* key) {
+    return error(Errc::usage, option(key) + ": none of the input files is a FITS table");
+  };
+  if (are_entries(options.columns) && !tables) return refuse("columns");
+  if (!options.hdu.empty() && !tables) return refuse("hdu");
+  if (options.cosmology && !any([](const FileInfo& file) { return file.redshifts; }))
+    return error(Errc::usage, option("cosmology") + ": none of the input files has places by a redshift");
+  return success();
+}
+
+// Refuses types of particles that no snapshot has. What other files have is not known before they are read.
+Status check_particles(const std::vector<FileInfo>& files, const CloudOptions& options) {
+  std::map<std::uint32_t, std::uint64_t> there;
+  for (const FileInfo& file : files) {
+    if (file.particles.empty() && !file.snapshot) return success();
+    for (const ParticleKind& kind : file.particles) there[kind.type] += kind.count;
+  }
+  for (const std::uint32_t type : options.particles) {
+    if (there.contains(type)) continue;
+    std::string types;
+    for (const auto& [number, count] : there)
+      types += (types.empty() ? "" : ", ") + std::to_string(count) + " of type " + std::to_string(number) + " (" +
+               snapshot::name_of_type(number) + ")";
+    return error(Errc::usage, option("particles") + ": the input has no particles of type " + std::to_string(type) +
+                                  " (" + snapshot::name_of_type(type) + "), but " + types);
+  }
+  return success();
 }
 
 // Warns of numbers of points that were taken for coordinates, which is easily overlooked.
@@ -150,8 +213,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   Spool spool(options.spool_folder, stop, options.spool_bytes_max);
   BOOST_OUTCOME_TRY(
       inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
-  const ReadHints hints{
-      .crop = options.crop, .scans = options.scans, .resolution = options.resolution, .columns = options.columns};
+  const ReadHints hints = filters_of(options, coordinates_of(options, {}));
   const auto open_one = [&](std::size_t i) -> Result<Opened> {
     // No thread may wait for standard input while there is an error to report.
     if (inputs[i].standard_input) return Opened{};
@@ -180,11 +242,14 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
     add_available(cloud.files_[i], available);
   }
   BOOST_OUTCOME_TRYV(check_use_of_columns(cloud.files_, options));
+  BOOST_OUTCOME_TRYV(check_use_of_fits(cloud.files_, options));
   BOOST_OUTCOME_TRYV(snapshot::check_snapshots(cloud.files_));
+  BOOST_OUTCOME_TRYV(check_particles(cloud.files_, options));
   BOOST_OUTCOME_TRY(schema, choose_with_heights(options, std::move(available), has_z));
   cloud.schema_ = std::move(schema);
   BOOST_OUTCOME_TRY(settled, settle_crs(cloud.files_, options.crs));
   cloud.crs_ = std::move(settled.crs);
+  cloud.unit_ = common_unit(cloud.files_);
   cloud.warnings_ = std::move(settled.warnings);
   warn_of_counting(cloud.files_, cloud.warnings_);
   BOOST_OUTCOME_TRYV(take_box_of_files(cloud.files_, options));
@@ -195,7 +260,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
 
 Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, CloudOptions options) {
   Cloud cloud;
-  BOOST_OUTCOME_TRY(reader, open_reader(share(source), {}, {.columns = options.columns}));
+  BOOST_OUTCOME_TRY(reader, open_reader(share(source), {}, coordinates_of(options, {})));
   BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
   BOOST_OUTCOME_TRYV(settle_period(options, cloud.warnings_));
   BOOST_OUTCOME_TRY(schema, choose_with_heights(options, reader->info().attributes, reader->info().dimension == 3));
@@ -203,6 +268,7 @@ Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, Cloud
   cloud.spooled_.push_back(std::move(source));
   cloud.schema_ = std::move(schema);
   cloud.crs_ = options.crs.empty() ? reader->info().crs : options.crs;
+  cloud.unit_ = reader->info().unit;
   cloud.options_ = std::move(options);
   return cloud;
 }
@@ -235,17 +301,13 @@ Result<std::unique_ptr<ByteSource>> Cloud::source(std::size_t index) const {
 
 Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
                                                    ReadHints hints) const {
-  hints.crop = options_.crop;
-  hints.scans = options_.scans;
-  hints.resolution = options_.resolution;
-  return reopen_whole(index, schema, hints);
+  return reopen_whole(index, schema, filters_of(options_, std::move(hints)));
 }
 
 Result<std::unique_ptr<PointReader>> Cloud::reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
                                                          ReadHints hints) const {
-  hints.columns = options_.columns;
   BOOST_OUTCOME_TRY(bytes, source(index));
-  return open_reader(std::move(bytes), schema, hints);
+  return open_reader(std::move(bytes), schema, coordinates_of(options_, std::move(hints)));
 }
 
 }  // namespace tessera

@@ -38,11 +38,15 @@ struct CloudOptions {
   bool snap = true;               // round coordinates and periods whose shifts would round, instead of refusing them
   Period period = {};             // follows from `periodic`; see settle_period()
   std::vector<int> classes = {};  // keep only these LAS classes; empty: keep all
-  std::vector<std::uint32_t> scans = {};     // keep only points of these scans, the attribute "scan"; empty: keep all
+  std::vector<std::uint32_t> scans = {};  // keep only points of these scans, the attribute "scan"; empty: keep all
+  // Keep only particles of these types, the attribute "particle_type" (snapshot/particle_types.h); empty: keep all.
+  std::vector<std::uint32_t> particles = {};
   Returns returns = Returns::all;            // keep only these echoes of each pulse
   std::vector<std::string> without = {};     // drop points with one of these flags: "withheld", "synthetic", ...
   std::vector<std::string> attributes = {};  // the names of attributes to carry, or {"all"}
-  std::vector<std::string> columns = {};     // text, NumPy: the names of the columns; see ReadHints
+  std::vector<std::string> columns = {};     // text, NumPy, FITS: the names of the columns; see ReadHints
+  std::string hdu = {};                      // FITS: the table; see ReadHints
+  std::optional<Cosmology> cosmology = {};   // FITS: what turns redshifts into distances
   double resolution = 0;                     // COPC, EPT: the distance between points that is enough; 0: keep all
   std::uint32_t threads = 1;                 // how many threads may open, read and unpack files at once
   std::string crs = {};         // WKT or "EPSG:n" of all files, whatever the files say; empty: as the files say
@@ -126,7 +130,8 @@ class Cloud {
   const std::vector<FileInfo>& files() const { return files_; }
   const std::vector<Attribute>& schema() const { return schema_; }
   const CloudOptions& options() const { return options_; }
-  const std::string& crs() const { return crs_; }  // see settle_crs()
+  const std::string& crs() const { return crs_; }    // see settle_crs()
+  const std::string& unit() const { return unit_; }  // of the coordinates, if all files state the same; else ""
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   // Calls `visit` with all points in order, in batches, on the calling thread. `visit` may stop by returning an error.
@@ -155,7 +160,7 @@ class Cloud {
   std::vector<FileInfo> files_;
   std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file; null where the file itself can be read again
   std::vector<Attribute> schema_;
-  std::string crs_;
+  std::string crs_, unit_;
   std::vector<std::string> warnings_;
   CloudOptions options_;
 };

@@ -210,7 +210,7 @@ Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size
     return error(Errc::bad_input, path + record + text_of(p.at, dimension) +
                                       " lies outside the box that the file states for it, " + text_of(lo, dimension) +
                                       " to " + text_of(hi, dimension) + ", so the boxes in the file are wrong; " +
-                                      option("scan", "true") +
+                                      option("scan-files", "true") +
                                       " reads all files once, and takes the boxes of their points instead");
   }
   return success();

@@ -26,6 +26,7 @@ std::vector<std::pair<std::string, const char*>> filtered_by(const CloudOptions&
   std::vector<std::pair<std::string, const char*>> names;
   if (!options.classes.empty()) names.emplace_back("classification", "class");
   if (!options.scans.empty()) names.emplace_back("scan", "scan");
+  if (!options.particles.empty()) names.emplace_back("particle_type", "particles");
   if (options.returns == Returns::first || options.returns == Returns::last)
     names.emplace_back("return_number", "returns");
   if (options.returns == Returns::last || options.returns == Returns::single)
@@ -46,6 +47,8 @@ PointFilter::PointFilter(const CloudOptions& options, const std::vector<Attribut
       class_ = found;
     } else if (name == "scan") {
       scan_ = found;
+    } else if (name == "particle_type") {
+      particle_type_ = found;
     } else if (name == "return_number") {
       number_ = found;
     } else if (name == "number_of_returns") {
@@ -92,11 +95,12 @@ bool PointFilter::is_wanted(const std::byte* row, CloudCounts& counts) const {
       return false;
     }
   }
-  if (!options_.scans.empty()) {
-    const double scan = scan_.value(row);
-    if (std::none_of(options_.scans.begin(), options_.scans.end(), [&](std::uint32_t s) { return s == scan; }))
-      return false;
-  }
+  const auto is_one_of = [&](const std::vector<std::uint32_t>& wanted, const Column& column) {
+    if (wanted.empty()) return true;
+    const double value = column.value(row);
+    return std::any_of(wanted.begin(), wanted.end(), [&](std::uint32_t w) { return w == value; });
+  };
+  if (!is_one_of(options_.scans, scan_) || !is_one_of(options_.particles, particle_type_)) return false;
   switch (options_.returns) {
     case Returns::all:
       break;

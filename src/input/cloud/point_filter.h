@@ -55,7 +55,7 @@ class PointFilter {
   std::size_t row_bytes_, reader_row_bytes_;
   std::optional<std::size_t> z_at_;  // where z is in a row of the cloud
   Column class_, number_, of_;       // classification, number of the return, number of returns of the pulse
-  Column scan_;
+  Column scan_, particle_type_;
   std::vector<Column> flags_;
   PeriodicBox box_;
 };

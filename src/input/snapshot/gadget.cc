@@ -43,7 +43,7 @@ class HeaderBytes {
 struct GadgetHeader {
   std::array<std::uint64_t, types> particles{}, total{};  // in this file; in all files of the snapshot
   std::array<double, types> mass{};                       // of all particles of a type; 0: each has its own
-  double time = 0, box = 0;
+  double time = 0, redshift = 0, box = 0, matter = 0, lambda = 0, hubble = 0;
   std::uint32_t files = 1;
   std::uint64_t all() const { return std::accumulate(particles.begin(), particles.end(), std::uint64_t{0}); }
 };
@@ -56,8 +56,12 @@ GadgetHeader gadget_header_of(const HeaderBytes& bytes) {
     header.total[t] = bytes.integer(96 + 4 * t) | std::uint64_t{bytes.integer(168 + 4 * t)} << 32;
   }
   header.time = bytes.real(72);
+  header.redshift = bytes.real(80);
   header.files = bytes.integer(124);
   header.box = bytes.real(128);
+  header.matter = bytes.real(136);
+  header.lambda = bytes.real(144);
+  header.hubble = bytes.real(152);
   return header;
 }
 
@@ -147,13 +151,18 @@ const std::array<Known, 7>& known_blocks() {
 // Turns header and blocks into a layout.
 class LayoutMaker {
  public:
-  LayoutMaker(const ByteSource& source, GadgetHeader header, bool swapped) : source_(source), header_(header) {
+  // `wanted`: the types to read; empty: all.
+  LayoutMaker(const ByteSource& source, GadgetHeader header, bool swapped, std::span<const std::uint32_t> wanted)
+      : source_(source), header_(header) {
     layout_.swapped = swapped;
     layout_.particles = header.all();
     const std::size_t type = column("particle_type", AttributeType::u8);
     std::uint64_t first = 0;
-    for (std::size_t t = 0; t < types; first += header.particles[t++])
+    for (std::size_t t = 0; t < types; first += header.particles[t++]) {
+      kept_[t] = is_wanted(wanted, static_cast<std::uint32_t>(t));
+      layout_.kept.add(header.particles[t], kept_[t]);
       layout_.constants.push_back({first, header.particles[t], type, static_cast<double>(t)});
+    }
   }
 
   std::uint64_t particles_of(const Known& known) const {
@@ -175,6 +184,9 @@ class LayoutMaker {
                                         in_quotes(known.label) + " has " + std::to_string(block.bytes) +
                                         " bytes, but " + std::to_string(particles_of(known)) + " particles take " +
                                         std::to_string(lengths[0]) + " or " + std::to_string(lengths[1]));
+    bool kept = false;
+    for (std::size_t t = 0; t < types; ++t) kept = kept || (has(known, t) && kept_[t] && header_.particles[t] > 0);
+    if (!kept) return success();
     const bool wide = block.bytes == lengths[1];
     using enum AttributeType;
     const AttributeType type = known.integers ? (wide ? u64 : u32) : (wide ? f64 : f32);
@@ -188,7 +200,7 @@ class LayoutMaker {
       if (!has(known, t)) continue;
       run.first = first;
       run.count = header_.particles[t];
-      if (run.count > 0) layout_.runs.push_back(run);
+      if (run.count > 0 && kept_[t]) layout_.runs.push_back(run);
       run.at += run.count * run.record_bytes;
     }
     return success();
@@ -198,7 +210,8 @@ class LayoutMaker {
     const std::size_t mass = column("mass", AttributeType::f64);
     std::uint64_t first = 0;
     for (std::size_t t = 0; t < types; first += header_.particles[t++])
-      if (header_.mass[t] != 0) layout_.constants.push_back({first, header_.particles[t], mass, header_.mass[t]});
+      if (header_.mass[t] != 0 && kept_[t])
+        layout_.constants.push_back({first, header_.particles[t], mass, header_.mass[t]});
     return std::move(layout_);
   }
 
@@ -218,6 +231,7 @@ class LayoutMaker {
 
   const ByteSource& source_;
   GadgetHeader header_;
+  std::array<bool, types> kept_{};
   Layout layout_;
 };
 
@@ -247,8 +261,9 @@ std::optional<Begin> begin_of(std::span<const std::byte> begin) {
 
 // Without labels, blocks follow each other in the order of known_blocks(); those without particles are left out. Behind
 // the density other blocks may follow, depending on how the program was compiled, so no more are read.
-Result<Layout> layout_of(const ByteSource& source, Blocks& blocks, const GadgetHeader& header, const Begin& begin) {
-  LayoutMaker maker(source, header, begin.swapped);
+Result<Layout> layout_of(const ByteSource& source, Blocks& blocks, const GadgetHeader& header, const Begin& begin,
+                         std::span<const std::uint32_t> wanted) {
+  LayoutMaker maker(source, header, begin.swapped, wanted);
   bool positions = false;
   if (begin.labels) {
     while (true) {
@@ -288,7 +303,7 @@ bool looks_like_gadget(std::span<const std::byte> begin) {
 }
 
 Result<std::unique_ptr<PointReader>> open_gadget(std::unique_ptr<ByteSource> source,
-                                                 const std::vector<Attribute>& attributes) {
+                                                 const std::vector<Attribute>& attributes, const ReadHints& hints) {
   FileInfo info = info_of(*source, "gadget");
   const auto bad = [&](const std::string& what) { return error(Errc::bad_input, info.path.string() + ": " + what); };
   std::array<std::byte, 24> first{};
@@ -302,14 +317,25 @@ Result<std::unique_ptr<PointReader>> open_gadget(std::unique_ptr<ByteSource> sou
   std::array<std::byte, header_bytes> bytes{};
   BOOST_OUTCOME_TRYV(source->read(block->at, bytes));
   const GadgetHeader header = gadget_header_of(HeaderBytes(bytes, begin->swapped));
-  if (header.all() == 0) return bad("holds no particles");
+  const bool empty = header.all() == 0;
+  if (empty && header.files < 2) return bad("holds no particles");  // a file of several may have none
   if (!std::isfinite(header.box) || header.box < 0) return bad("says that its box is not a length of 0 or more");
-  BOOST_OUTCOME_TRY(layout, layout_of(*source, blocks, header, *begin));
+  Layout layout = LayoutMaker(*source, header, begin->swapped, hints.particles).finish();
+  if (!empty) {
+    BOOST_OUTCOME_TRY(found, layout_of(*source, blocks, header, *begin, hints.particles));
+    layout = std::move(found);
+  }
   info.detail = std::string("Gadget ") + (begin->labels ? "2" : "1") + (begin->swapped ? ", big endian" : "");
   info.box = {header.box, header.box, header.box};
   info.snapshot = snapshot_of(header);
-  info.points = layout.particles;
-  info.attributes = layout.attributes;
+  for (std::uint32_t t = 0; t < types; ++t)
+    if (header.particles[t] > 0)
+      info.particles.push_back({.type = t, .count = header.particles[t], .mass = header.mass[t]});
+  info.stated = {{"time", header.time},
+                 {"redshift", header.redshift},
+                 {"omega_matter", header.matter},
+                 {"omega_lambda", header.lambda},
+                 {"hubble", header.hubble}};
   return read_layout(std::move(info), std::move(source), std::move(layout), attributes);
 }
 

@@ -19,8 +19,9 @@ bool looks_like_gadget(std::span<const std::byte> begin);
 
 // Reads positions, and as attributes particle_type (0 to 5), velocities vx, vy, vz, particle_id and mass; for gas also
 // internal_energy, gas_density and smoothing_length, where the file has them. Errors: bad_input for blocks that end
-// early, or have other lengths than the header's numbers of particles say.
+// early, or have other lengths than the header's numbers of particles say. Of hints.particles, only the types that are
+// named are read; attributes that none of them has are left out.
 Result<std::unique_ptr<PointReader>> open_gadget(std::unique_ptr<ByteSource> source,
-                                                 const std::vector<Attribute>& attributes);
+                                                 const std::vector<Attribute>& attributes, const ReadHints& hints);
 
 }  // namespace tessera::snapshot

@@ -17,13 +17,13 @@
 #include "src/input/bytes/fields.h"
 #include "src/input/bytes/record_stream.h"
 #include "src/input/snapshot/hdf5_file.h"
+#include "src/input/snapshot/hdf5_units.h"
+#include "src/input/snapshot/particle_types.h"
 
 namespace tessera::snapshot {
 namespace {
 
 std::atomic<bool> hdf5_is_refused = false;
-
-constexpr std::size_t types_max = 7;  // SWIFT has neutrinos as type 6
 
 // The names that an attribute has whatever wrote the file.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> usual_names{
@@ -55,7 +55,9 @@ struct Snapshot {
   std::vector<Attribute> attributes{{"particle_type", AttributeType::u8}};
   std::vector<double> mass;  // by type; 0: each particle has its own
   std::array<double, 3> box{};
-  std::uint64_t particles = 0;
+  std::uint64_t particles = 0;  // of the file
+  KeptParticles kept;
+  std::string unit;  // of positions
 };
 
 Result<SnapshotHeader> read_header(const Hdf5File& file, const std::string& path) {
@@ -108,7 +110,8 @@ std::vector<std::string> names_of(const Dataset& table) {
 // Adds the tables of a type. Attributes of the same name in several types become one; doubles if their types differ.
 class Tables {
  public:
-  Tables(Snapshot& snapshot, std::string path) : snapshot_(snapshot), path_(std::move(path)) {}
+  Tables(Snapshot& snapshot, const Hdf5File& file, std::string path)
+      : snapshot_(snapshot), file_(file), path_(std::move(path)) {}
 
   Status add(ParticleType& type) {
     std::optional<std::size_t> positions;
@@ -121,11 +124,15 @@ class Tables {
         type.whole_positions = whole;
       } else if (!whole && table.rows == type.count) {
         const auto names = names_of(table);
-        for (std::size_t c = 0; c < names.size(); ++c) type.columns.push_back({t, c, attribute(names[c], table.type)});
+        const std::string unit = unit_of_table(file_, type.group(), table.name);
+        for (std::size_t c = 0; c < names.size(); ++c)
+          type.columns.push_back({t, c, attribute(names[c], table.type, unit)});
       }
     }
     if (!positions) return bad(type, "has neither Coordinates nor IntegerCoordinates");
     type.positions = *positions;
+    const std::string unit = unit_of_table(file_, type.group(), type.tables[*positions].name);
+    snapshot_.unit = snapshot_.types.empty() || snapshot_.unit == unit ? unit : "";
     return success();
   }
 
@@ -147,43 +154,51 @@ class Tables {
     return success();
   }
 
-  std::size_t attribute(const std::string& raw, AttributeType type) {
+  std::size_t attribute(const std::string& raw, AttributeType type, const std::string& unit) {
     for (std::size_t i = 0; i < raw_.size(); ++i) {
       if (raw_[i] != raw) continue;
       Attribute& known = snapshot_.attributes[i + 1];
       if (known.type != type) known.type = AttributeType::f64;
+      if (known.unit != unit) known.unit.clear();
       return i + 1;
     }
     raw_.push_back(raw);
-    snapshot_.attributes.push_back({names_.make(raw), type});
+    snapshot_.attributes.push_back({names_.make(raw), type, unit});
     return raw_.size();
   }
 
   Snapshot& snapshot_;
+  const Hdf5File& file_;
   std::string path_;
   AttributeNames names_;
   std::vector<std::string> raw_;  // of attributes 1, 2, ...
 };
 
-Result<Snapshot> read_snapshot(const Hdf5File& file, const SnapshotHeader& header, const std::string& path) {
+// `wanted`: the types to read; empty: all.
+Result<Snapshot> read_snapshot(const Hdf5File& file, const SnapshotHeader& header,
+                               std::span<const std::uint32_t> wanted, const std::string& path) {
   Snapshot snapshot;
   snapshot.mass = header.mass;
   std::copy(header.box.begin(), header.box.end(), snapshot.box.begin());
-  Tables tables(snapshot, path);
+  Tables tables(snapshot, file, path);
   for (std::size_t t = 0; t < header.particles.size(); ++t) {
     if (header.particles[t] == 0) continue;
     ParticleType type{.number = t, .first = snapshot.particles, .count = header.particles[t]};
+    if (type.count > UINT64_MAX - snapshot.particles) return error(Errc::bad_input, path + ": has too many particles");
+    snapshot.particles += type.count;
+    const bool kept = is_wanted(wanted, static_cast<std::uint32_t>(t));
+    snapshot.kept.add(type.count, kept);
+    if (!kept) continue;
     if (!file.has_group(type.group()))
       return error(Errc::bad_input, path + ": says that it has " + std::to_string(type.count) + " particles of type " +
                                         std::to_string(t) + ", but has no group " + type.group());
     BOOST_OUTCOME_TRY(found, file.datasets(type.group()));
     type.tables = std::move(found);
     BOOST_OUTCOME_TRYV(tables.add(type));
-    if (type.count > UINT64_MAX - snapshot.particles) return error(Errc::bad_input, path + ": has too many particles");
-    snapshot.particles += type.count;
     snapshot.types.push_back(std::move(type));
   }
-  if (snapshot.particles == 0) return error(Errc::bad_input, path + ": holds no particles");
+  // A file of several may have none.
+  if (snapshot.particles == 0 && header.part.files < 2) return error(Errc::bad_input, path + ": holds no particles");
   const auto own = std::find_if(snapshot.attributes.begin(), snapshot.attributes.end(),
                                 [](const Attribute& a) { return a.name == "mass"; });
   const bool shared = std::any_of(header.mass.begin(), header.mass.end(), [](double mass) { return mass != 0; });
@@ -209,7 +224,9 @@ class Hdf5Reader : public PointReader {
   const FileInfo& info() const override { return info_; }
 
   Status next(PointBatch& batch, std::size_t most) override {
-    first_ = position_;
+    const std::uint64_t at = snapshot_.kept.from(position_).begin;
+    batch.passed_over = at - position_;
+    first_ = position_ = at;
     const auto type = std::find_if(snapshot_.types.begin(), snapshot_.types.end(),
                                    [&](const ParticleType& t) { return position_ < t.first + t.count; });
     batch.points.clear();
@@ -225,7 +242,7 @@ class Hdf5Reader : public PointReader {
   }
 
   Result<bool> seek(std::uint64_t index) override {
-    position_ = std::min(index, snapshot_.particles);
+    position_ = snapshot_.kept.particle_of(index);
     return true;
   }
 
@@ -312,7 +329,8 @@ bool looks_like_hdf5(std::span<const std::byte> begin) {
 }
 
 Result<std::unique_ptr<PointReader>> open_gadget_hdf5(std::unique_ptr<ByteSource> source,
-                                                      const std::vector<Attribute>& attributes) {
+                                                      const std::vector<Attribute>& attributes,
+                                                      const ReadHints& hints) {
   FileInfo info = info_of(*source, "hdf5");
   const std::string path = info.path.string();
   if (hdf5_is_refused)
@@ -321,9 +339,16 @@ Result<std::unique_ptr<PointReader>> open_gadget_hdf5(std::unique_ptr<ByteSource
                                       "strangers; the daemon's operator can allow it with the daemon's option hdf5");
   BOOST_OUTCOME_TRY(file, Hdf5File::open(*source));
   BOOST_OUTCOME_TRY(header, read_header(file, path));
-  BOOST_OUTCOME_TRY(snapshot, read_snapshot(file, header, path));
+  BOOST_OUTCOME_TRY(snapshot, read_snapshot(file, header, hints.particles, path));
   info.detail = "a snapshot in HDF5";
-  info.points = snapshot.particles;
+  info.points = snapshot.kept.points();
+  info.points_passed_over = snapshot.kept.passed_over();
+  for (std::size_t t = 0; t < header.particles.size(); ++t)
+    if (header.particles[t] > 0)
+      info.particles.push_back(
+          {.type = static_cast<std::uint32_t>(t), .count = header.particles[t], .mass = header.mass[t]});
+  info.stated = stated_numbers(file);
+  info.unit = snapshot.unit;
   info.attributes = snapshot.attributes;
   info.snapshot = header.part;
   info.box = {snapshot.box[0], snapshot.box[1], snapshot.box[2]};

@@ -20,10 +20,11 @@ bool looks_like_hdf5(std::span<const std::byte> begin);
 // Reads the particles of all types, type by type. Positions come from Coordinates, or from IntegerCoordinates and the
 // size of the box. Attributes are particle_type (0 to 5), vx, vy, vz, particle_id, mass, and all other tables with a
 // number, or a few, for each particle, by their names: Density, StarFormationRate, ... Where a type has no such table,
-// the attribute is NaN, or 0 as an integer. Errors: those of Hdf5File; bad_input for a file without such groups, and
-// for tables that do not fit the header.
+// the attribute is NaN, or 0 as an integer. Of hints.particles, only the types that are named are
+// looked at. Errors: those of Hdf5File; bad_input for a file without such groups, and for tables that do not fit the
+// header.
 Result<std::unique_ptr<PointReader>> open_gadget_hdf5(std::unique_ptr<ByteSource> source,
-                                                      const std::vector<Attribute>& attributes);
+                                                      const std::vector<Attribute>& attributes, const ReadHints& hints);
 
 // From now on this process refuses HDF5. The library of HDF5 was not made for files of strangers: damaged ones have
 // made it read and write beyond its memory. So a service reads such files only when its operator says so.

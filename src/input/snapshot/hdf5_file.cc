@@ -179,8 +179,14 @@ struct Hdf5File::Impl {
                                                hid_t type) const {
     const std::lock_guard lock(hdf5_mutex());
     const Hdf5Handle in = group(group_name);
-    if (!in || hdf5->H5Aexists(in.get(), name.c_str()) <= 0) return std::nullopt;
-    const Hdf5Handle attribute(hdf5->H5Aopen(in.get(), name.c_str(), H5P_DEFAULT), hdf5->H5Aclose);
+    return attribute_of<Number>(in.get(), name, type);
+  }
+
+  // The same of an open group or table. REQUIRES: the mutex is held.
+  template <class Number>
+  std::optional<std::vector<Number>> attribute_of(hid_t in, const std::string& name, hid_t type) const {
+    if (in < 0 || hdf5->H5Aexists(in, name.c_str()) <= 0) return std::nullopt;
+    const Hdf5Handle attribute(hdf5->H5Aopen(in, name.c_str(), H5P_DEFAULT), hdf5->H5Aclose);
     if (!attribute) return std::nullopt;
     const Hdf5Handle space(hdf5->H5Aget_space(attribute.get()), hdf5->H5Sclose),
         stored(hdf5->H5Aget_type(attribute.get()), hdf5->H5Tclose);
@@ -232,6 +238,14 @@ std::optional<std::vector<double>> Hdf5File::numbers(const std::string& group, c
 std::optional<std::vector<std::uint64_t>> Hdf5File::counts(const std::string& group,
                                                            const std::string& attribute) const {
   return impl_->attribute<std::uint64_t>(group, attribute, impl_->hdf5->H5T_NATIVE_UINT64_g);
+}
+
+std::optional<double> Hdf5File::number_of_table(const std::string& group, const std::string& table,
+                                                const std::string& attribute) const {
+  const std::lock_guard lock(hdf5_mutex());
+  const auto numbers =
+      impl_->attribute_of<double>(impl_->table(group, table), attribute, impl_->hdf5->H5T_NATIVE_DOUBLE_g);
+  return numbers && numbers->size() == 1 ? std::optional(numbers->front()) : std::nullopt;
 }
 
 Result<std::vector<Dataset>> Hdf5File::datasets(const std::string& group_name) const {

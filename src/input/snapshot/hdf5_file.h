@@ -38,6 +38,9 @@ class Hdf5File {
   // The numbers of an attribute of a group; nothing if the group has no such attribute of numbers.
   std::optional<std::vector<double>> numbers(const std::string& group, const std::string& attribute) const;
   std::optional<std::vector<std::uint64_t>> counts(const std::string& group, const std::string& attribute) const;
+  // A number of an attribute of a table; nothing if there is no such attribute, or one of several numbers.
+  std::optional<double> number_of_table(const std::string& group, const std::string& table,
+                                        const std::string& attribute) const;
   // The tables of numbers of a group, of one or two dimensions. Error bad_input for a table that names other files or
   // an unknown filter.
   Result<std::vector<Dataset>> datasets(const std::string& group) const;

@@ -39,9 +39,11 @@ class SnapshotReader : public PointReader {
   const FileInfo& info() const override { return info_; }
 
   Status next(PointBatch& batch, std::size_t most) override {
-    first_ = position_;
-    const auto n = static_cast<std::size_t>(
-        std::min<std::uint64_t>(points_at_once(most, row_bytes_), layout_.particles - position_));
+    const auto [begin_of_kept, end_of_kept] = layout_.kept.from(position_);
+    batch.passed_over = begin_of_kept - position_;
+    first_ = position_ = begin_of_kept;
+    const auto n =
+        static_cast<std::size_t>(std::min<std::uint64_t>(points_at_once(most, row_bytes_), end_of_kept - position_));
     batch.points.assign(n, Point{});
     batch.rows.assign(n * row_bytes_, std::byte{0});
     if (n == 0) return source_->check_unchanged();
@@ -62,7 +64,7 @@ class SnapshotReader : public PointReader {
   }
 
   Result<bool> seek(std::uint64_t index) override {
-    position_ = std::min(index, layout_.particles);
+    position_ = layout_.kept.particle_of(index);
     return true;
   }
 
@@ -117,6 +119,9 @@ class SnapshotReader : public PointReader {
 
 std::unique_ptr<PointReader> read_layout(FileInfo info, std::unique_ptr<ByteSource> source, Layout layout,
                                          const std::vector<Attribute>& schema) {
+  info.points = layout.kept.points();
+  info.points_passed_over = layout.kept.passed_over();
+  info.attributes = layout.attributes;
   return std::make_unique<SnapshotReader>(std::move(info), std::move(source), std::move(layout), schema);
 }
 

@@ -11,6 +11,7 @@
 #include "src/base/result.h"
 #include "src/input/bytes/byte_source.h"
 #include "src/input/reader.h"
+#include "src/input/snapshot/particle_types.h"
 
 namespace tessera::snapshot {
 
@@ -38,15 +39,16 @@ struct Constant {
 };
 
 struct Layout {
-  std::uint64_t particles = 0;
+  std::uint64_t particles = 0;  // of the file
+  KeptParticles kept;           // all of them, or those of some types
   std::vector<Attribute> attributes;
   std::vector<Run> runs;
   std::vector<Constant> constants;
   bool swapped = false;  // big endian
 };
 
-// Reads the particles in the order of the file. REQUIRES: `info` has the number of points and the attributes of the
-// layout; all runs lie within the source.
+// Reads the particles that are kept, in the order of the file. Bytes of others are not read. REQUIRES: all runs lie
+// within the source.
 std::unique_ptr<PointReader> read_layout(FileInfo info, std::unique_ptr<ByteSource> source, Layout layout,
                                          const std::vector<Attribute>& schema);
 

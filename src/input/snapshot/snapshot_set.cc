@@ -46,7 +46,7 @@ Status check_snapshot(const std::string& name, const std::vector<const FileInfo*
       return bad(*file, "is of another snapshot than " + files.front()->path.string() +
                             ": their headers differ in the time, the box, the masses or the numbers of particles");
     if (!there.insert(split(file->path).number).second) return bad(*file, "is given twice");
-    points += *file->points;
+    points += *file->points + file->points_passed_over;
   }
   if (files.size() != first.files) {
     std::string missing;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <string>
 #include <utility>
 
@@ -29,6 +30,7 @@ const std::array<TipsyKind, 3>& tipsy_kinds() {
 }
 
 struct TipsyHeader {
+  double time = 0;
   std::size_t bytes = 0;
   bool swapped = false;
   std::array<std::uint64_t, 3> particles{};
@@ -42,7 +44,11 @@ std::optional<TipsyHeader> tipsy_header_of(std::span<const std::byte> begin, std
       return swapped ? __builtin_bswap32(value) : value;
     };
     if (integer(12) != 3) continue;  // dimensions
-    TipsyHeader header{.bytes = 0, .swapped = swapped, .particles = {integer(16), integer(20), integer(24)}};
+    const auto time = load<std::uint64_t>(begin.data());
+    TipsyHeader header{.time = std::bit_cast<double>(swapped ? __builtin_bswap64(time) : time),
+                       .bytes = 0,
+                       .swapped = swapped,
+                       .particles = {integer(16), integer(20), integer(24)}};
     std::uint64_t body = 0, sum = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       sum += header.particles[k];
@@ -64,7 +70,7 @@ bool is_tipsy(std::span<const std::byte> begin, std::optional<std::uint64_t> siz
 }
 
 Result<std::unique_ptr<PointReader>> open_tipsy(std::unique_ptr<ByteSource> source,
-                                                const std::vector<Attribute>& attributes) {
+                                                const std::vector<Attribute>& attributes, const ReadHints& hints) {
   FileInfo info = info_of(*source, "tipsy");
   std::array<std::byte, short_header> begin{};
   if (source->size() >= begin.size()) {
@@ -87,6 +93,15 @@ Result<std::unique_ptr<PointReader>> open_tipsy(std::unique_ptr<ByteSource> sour
     const TipsyKind& kind = tipsy_kinds()[k];
     const std::uint64_t count = header->particles[k];
     if (count == 0) continue;
+    const auto type = static_cast<std::uint32_t>(kind.type);
+    info.particles.push_back({.type = type, .count = count, .mass = 0});
+    const bool kept = is_wanted(hints.particles, type);
+    layout.kept.add(count, kept);
+    if (!kept) {
+      layout.particles += count;
+      at += count * kind.record_bytes();
+      continue;
+    }
     Run run{.first = layout.particles, .count = count, .at = at, .record_bytes = kind.record_bytes(), .fields = {}};
     std::vector<std::size_t> columns{column("mass"), 0, 1, 2, column("vx"), column("vy"), column("vz")};
     for (const char* name : kind.more) columns.push_back(column(name));
@@ -98,8 +113,7 @@ Result<std::unique_ptr<PointReader>> open_tipsy(std::unique_ptr<ByteSource> sour
     at += count * kind.record_bytes();
   }
   info.detail = std::string("Tipsy") + (header->swapped ? ", big endian" : "");
-  info.points = layout.particles;
-  info.attributes = layout.attributes;
+  info.stated.emplace_back("time", header->time);
   return read_layout(std::move(info), std::move(source), std::move(layout), attributes);
 }
 

@@ -22,8 +22,8 @@ bool is_tipsy(std::span<const std::byte> begin, std::optional<std::uint64_t> siz
 
 // Reads positions, and as attributes particle_type (0: gas, 1: dark matter, 4: stars, as in Gadget), mass, vx, vy, vz,
 // potential, softening; of gas gas_density, temperature and smoothing_length; of stars formation_time; of both metals.
-// REQUIRES: is_tipsy().
+// Of hints.particles, only the types that are named are read. REQUIRES: is_tipsy().
 Result<std::unique_ptr<PointReader>> open_tipsy(std::unique_ptr<ByteSource> source,
-                                                const std::vector<Attribute>& attributes);
+                                                const std::vector<Attribute>& attributes, const ReadHints& hints);
 
 }  // namespace tessera::snapshot

@@ -177,6 +177,7 @@ Manifest to_manifest(const json& value) {
   if (manifest.dimension != 2 && manifest.dimension != 3)
     throw json::other_error::create(501, "the dimension is neither 2 nor 3", &value);
   manifest.crs = value.at("crs").get<std::string>();
+  if (value.contains("unit")) manifest.unit = value.at("unit").get<std::string>();
   manifest.partition_kind = value.at("partition").at("kind").get<std::string>();
   for (const auto& box : value.at("partition").at("boxes")) manifest.boxes.push_back(to_corners<Box>(box));
   manifest.partition = partition_text(value.at("partition"), manifest);
@@ -188,6 +189,7 @@ Manifest to_manifest(const json& value) {
   manifest.neighbors = value.at("neighbors").get<bool>();
   for (const auto& attribute : value.at("attributes")) {
     manifest.schema.push_back({to_name(attribute), to_type(attribute)});
+    if (attribute.contains("unit")) manifest.schema.back().unit = attribute.at("unit").get<std::string>();
   }
   read_versions(value, manifest);
   for (const auto& entry : value.at("tiles")) {
@@ -228,6 +230,7 @@ std::string manifest_to_text(const Manifest& manifest) {
   for (const auto& input : manifest.inputs) value["inputs"].push_back(input_to_json(input));
   value["dimension"] = manifest.dimension;
   value["crs"] = manifest.crs;
+  if (!manifest.unit.empty()) value["unit"] = manifest.unit;
   value["bounds"] = corners(manifest.bounds);
   if (manifest.region) {
     value["region"] = corners(manifest.region->box);
@@ -235,8 +238,10 @@ std::string manifest_to_text(const Manifest& manifest) {
   }
   value["neighbors"] = manifest.neighbors;
   value["attributes"] = json::array();
-  for (const auto& attribute : manifest.schema)
+  for (const auto& attribute : manifest.schema) {
     value["attributes"].push_back({{"name", attribute.name}, {"type", name_of(attribute.type)}});
+    if (!attribute.unit.empty()) value["attributes"].back()["unit"] = attribute.unit;
+  }
   value["counts"] = {{"points_read", manifest.points_read}, {"invalid", manifest.invalid},
                      {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
                      {"vertices", manifest.vertices},       {"cells", manifest.cells}};

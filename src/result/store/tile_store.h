@@ -138,6 +138,7 @@ struct Manifest {
   std::vector<Input> inputs;
   int dimension = 3;
   std::string crs;
+  std::string unit;  // of the coordinates, as the input stated it; "" when unknown
   std::string partition_kind;
   std::vector<Box> boxes;  // by tile id
   // As Partition::to_json() returned it, for Partition::from_json(). The partition gives tile_of() of the result.

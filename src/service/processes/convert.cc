@@ -9,6 +9,8 @@
 #include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/input/column_names.h"
+#include "src/input/cosmology.h"
+#include "src/input/snapshot/particle_types.h"
 #include "src/job/arguments.h"
 #include "src/job/report/human.h"
 #include "src/result/heights/copies.h"
@@ -56,6 +58,22 @@ Status read_tiles(const proto::TriangulateInputs& inputs, const JobShare& share,
   return success();
 }
 
+// What says where points are in tables, and which particles of snapshots are points.
+Status read_tables(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
+  cloud.columns = list_of(inputs.columns());
+  if (const auto columns = check_columns(cloud.columns); !columns) return refuse("columns", columns.error().where);
+  const auto particles = snapshot::types_of_names(list_of(inputs.particles()));
+  if (!particles) return refuse("particles", particles.error().where);
+  cloud.particles = particles.value();
+  cloud.hdu = inputs.hdu();
+  if (inputs.cosmology_size() > 0) {
+    if (inputs.cosmology_size() != 2) return refuse("cosmology", "is not two numbers: H0 and the density of matter");
+    cloud.cosmology = Cosmology{.hubble = inputs.cosmology(0), .matter = inputs.cosmology(1)};
+    if (const auto why = why_no_cosmology(*cloud.cosmology); !why.empty()) return refuse("cosmology", why);
+  }
+  return success();
+}
+
 Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   cloud.dimension = 0;
   if (inputs.has_dim()) {
@@ -94,8 +112,7 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   }
   cloud.without = list_of(inputs.without());
   if (const auto flags = check_flags(cloud.without); !flags) return refuse("without", flags.error().where);
-  cloud.columns = list_of(inputs.columns());
-  if (const auto columns = check_columns(cloud.columns); !columns) return refuse("columns", columns.error().where);
+  BOOST_OUTCOME_TRYV(read_tables(inputs, cloud));
   cloud.attributes = list_of(inputs.attributes());
   if (std::find(cloud.attributes.begin(), cloud.attributes.end(), "") != cloud.attributes.end())
     return refuse("attributes", "one of the names is empty");

@@ -34,7 +34,16 @@ constexpr std::pair<const char*, const char*> helps[] = {
      "all levels."},
     {"columns",
      "Text and NumPy files: the names of the columns, in order: x, y, z, the name of an attribute, or _ for a column "
-     "to leave out."},
+     "to leave out. FITS: which columns are coordinates, as x=XPOS, y=YPOS, z=ZPOS; position=POS; or ra=RA, dec=DEC "
+     "and "
+     "redshift=Z or distance=D."},
+    {"hdu", "FITS: the number or the name of the table; default: the first table."},
+    {"cosmology",
+     "FITS: turn redshifts into comoving distances in Mpc, in a flat universe: H0 in km/s/Mpc, and the density of "
+     "matter."},
+    {"particles",
+     "Snapshots: read only particles of these types: gas, dark-matter, disk, bulge, stars, black-holes, neutrinos, or "
+     "numbers."},
     {"crs", "The coordinate system of all input files, whatever the files say: EPSG:n or WKT."},
     {"returns", "LAS files: keep all returns of each pulse (default), or only the first, last or single one."},
     {"scan", "E57 and PTX files: keep only points of these scans, numbered from 0."},
