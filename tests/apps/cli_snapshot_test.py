@@ -1,6 +1,7 @@
 """Snapshots of simulations as a user meets them: HDF5 files like those of Gadget, AREPO and SWIFT, written by h5py."""
 import gzip
 import pathlib
+import shutil
 import unittest
 
 import h5py
@@ -42,6 +43,7 @@ class Snapshots(CliTest):
 
     def arrays(self, *files):
         """Points and attributes of the result, in the order of the particles."""
+        shutil.rmtree(self.folder / "arrays", ignore_errors=True)
         self.ok("triangulate", *files, "-o", "made", "--attributes", "all", "--quiet", "--overwrite")
         self.ok("export", "made", "-o", "arrays", "--format", "npy", "--quiet", "--overwrite")
         load = {path.stem: np.load(path) for path in (self.folder / "arrays").glob("*.npy")}
@@ -153,7 +155,7 @@ class Snapshots(CliTest):
                                          "Density": "6.8e-31 a^-3 cm^-3 g"})
         text = self.ok("info", "snap.hdf5")
         self.assertRegex(text, r"particles +40 gas \(type 0\), 60 dark-matter \(type 1\) of mass 0.25 each, 5 stars \(type 4\)")
-        self.assertRegex(text, r"units +coordinates \[3.08568e\+21 a h\^-1 cm\], vx")
+        self.assertRegex(text, r"units +coordinates \[3.08568e\+21 a h\^-1 cm\], Density \[")
         self.ok("triangulate", "snap.hdf5", "-o", "out", "--attributes", "Density,vx", "--quiet")
         self.ok("measure", "out", "--volume", "--quiet")
         kept = self.json_lines(self.ok("info", "out", "--json"))[-1]["units"]

@@ -19,7 +19,7 @@ namespace tessera {
   F(H5Gclose) F(H5Gget_info) F(H5Gopen2) F(H5Lexists) F(H5Lget_info) F(H5Lget_name_by_idx) F(H5PLset_loading_state) \
   F(H5Pclose) F(H5Pcreate) F(H5Pget_chunk) F(H5Pget_driver_info) F(H5Pget_external_count) F(H5Pget_filter2) \
   F(H5Pget_layout) F(H5Pget_nfilters) F(H5Pset_chunk_cache) F(H5Pset_driver) F(H5Sclose) F(H5Screate_simple) F(H5Sget_simple_extent_dims) \
-  F(H5Sget_simple_extent_ndims) F(H5Sselect_hyperslab) F(H5Tclose) F(H5Tget_class) F(H5Tget_sign) F(H5Tget_size) \
+  F(H5Sget_simple_extent_ndims) F(H5Sselect_hyperslab) F(H5Tclose) F(H5Tget_class) F(H5Tget_fields) F(H5Tget_offset) F(H5Tget_precision) F(H5Tget_sign) F(H5Tget_size) \
   F(H5get_libversion) F(H5open)
 #define TESSERA_HDF5_VARIABLES(V) \
   V(H5P_CLS_DATASET_ACCESS_ID_g) V(H5P_CLS_FILE_ACCESS_ID_g) V(H5T_NATIVE_UINT8_g) V(H5T_NATIVE_INT8_g) V(H5T_NATIVE_UINT16_g) V(H5T_NATIVE_INT16_g) \
