@@ -22,7 +22,7 @@ namespace tessera {
   F(H5Pget_nfilters) F(H5Pset_alloc_time) F(H5Pset_chunk_cache) F(H5Pset_create_intermediate_group) F(H5Pset_driver) \
   F(H5Pset_fill_time) F(H5Pset_obj_track_times) F(H5Sclose) F(H5Screate) F(H5Screate_simple) \
   F(H5Sget_simple_extent_dims) F(H5Sget_simple_extent_ndims) F(H5Sselect_hyperslab) F(H5Tclose) F(H5Tcopy) \
-  F(H5Tget_class) F(H5Tget_sign) F(H5Tget_size) F(H5Tset_cset) F(H5Tset_size) F(H5get_libversion) F(H5open)
+  F(H5Tget_class) F(H5Tget_fields) F(H5Tget_offset) F(H5Tget_precision) F(H5Tget_sign) F(H5Tget_size) F(H5Tset_cset) F(H5Tset_size) F(H5get_libversion) F(H5open)
 #define TESSERA_HDF5_VARIABLES(V) \
   V(H5P_CLS_DATASET_ACCESS_ID_g) V(H5P_CLS_DATASET_CREATE_ID_g) V(H5P_CLS_FILE_ACCESS_ID_g) \
   V(H5P_CLS_LINK_CREATE_ID_g) V(H5T_NATIVE_UINT8_g) V(H5T_NATIVE_INT8_g) V(H5T_NATIVE_UINT16_g) \

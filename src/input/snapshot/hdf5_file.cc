@@ -88,12 +88,27 @@ hid_t driver(Call hdf5) {
   return id;
 }
 
+// Whether the bits of a number lie within its bytes. HDF5 does not check that when it opens a file, and converts
+// numbers of a damaged type by reading behind their end.
+bool has_its_bits(Call hdf5, hid_t type, bool floating) {
+  const std::size_t bits = 8 * hdf5->H5Tget_size(type), precision = hdf5->H5Tget_precision(type);
+  const int offset = hdf5->H5Tget_offset(type);
+  if (offset < 0 || precision == 0 || precision > bits || static_cast<std::size_t>(offset) > bits - precision)
+    return false;
+  if (!floating) return true;
+  std::size_t sign = 0, exponent = 0, exponent_bits = 0, mantissa = 0, mantissa_bits = 0;
+  if (hdf5->H5Tget_fields(type, &sign, &exponent, &exponent_bits, &mantissa, &mantissa_bits) < 0) return false;
+  const auto fits = [&](std::size_t at, std::size_t size) { return size > 0 && at < bits && size <= bits - at; };
+  return fits(sign, 1) && fits(exponent, exponent_bits) && fits(mantissa, mantissa_bits);
+}
+
 // The type of numbers of HDF5, if it is one of ours. Shorter floats become floats of four bytes.
 std::optional<AttributeType> type_in_file(Call hdf5, hid_t type) {
   const H5T_class_t kind = hdf5->H5Tget_class(type);
   const std::size_t size = hdf5->H5Tget_size(type);
+  if (kind != H5T_FLOAT && kind != H5T_INTEGER) return std::nullopt;
+  if (!has_its_bits(hdf5, type, kind == H5T_FLOAT)) return std::nullopt;
   if (kind == H5T_FLOAT) return number_type(NumberKind::floating, std::max<std::size_t>(size, sizeof(float)));
-  if (kind != H5T_INTEGER) return std::nullopt;
   return number_type(hdf5->H5Tget_sign(type) == H5T_SGN_NONE ? NumberKind::without_sign : NumberKind::with_sign, size);
 }
 
