@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "src/base/periodic_box.h"
+
 namespace tessera::density {
 namespace {
 
@@ -189,7 +191,7 @@ TEST(MeanShares, OfAPartOfAPeriodicGridAreThoseOfTheWhole) {
 }
 
 TEST(VoxelAxis, HasExactPlanesAtThePeriod) {
-  for (const double length : {1.0, 0.3, 1e9 / 3, 360.0}) {
+  for (const double length : {1.0, in_steps(0.3), in_steps(1e9 / 3), 360.0}) {  // as periods are
     for (const std::int64_t count : {1, 3, 7, 1000, 1 << 24}) {
       const VoxelAxis axis{.origin = 0, .length = length, .count = count, .periodic = true};
       for (const int k : {-1, 0, 1, 2}) {
