@@ -142,7 +142,7 @@ class Work(ClientTest):
 
     def sent(self):
         inputs = list(self.server.jobs.values())[-1].inputs
-        self.assertRegex(inputs.pop("output"), "^[0-9a-f]{32}[.][a-z]+$")
+        self.assertRegex(inputs.pop("output"), "^[0-9a-f]{32}[.][a-z0-9]+$")
         return inputs
 
     def test_products_arrive_and_are_gone_there(self):
