@@ -30,8 +30,8 @@ get_target_property(soversion tessera_shared SOVERSION)
 set(library libtessera${soversion})
 set(same "(= ${PROJECT_VERSION})")
 
-# When they are needed (src/base/crs, src/input/remote): dpkg-shlibdeps does not see them.
-set(loaded "libgdal32, libcurl4")
+# When they are needed (src/base/crs, src/base/hdf5, src/input/remote): dpkg-shlibdeps does not see them.
+set(loaded "libgdal32, libcurl4, libhdf5-103-1")
 
 set(about "Tessera cuts a point cloud into tiles, triangulates them in parallel
 within a bound on memory, and gives exactly the Delaunay triangulation

@@ -29,7 +29,7 @@ test=(
   mkdocs mkdocs-material                    # make the site of documents
   mypy debootstrap                          # checks its types; makes systems in which the wheel is tried
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
-  python3-h5py                              # writes snapshots
+  python3-h5py python3-astropy              # write snapshots, read grids
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   nginx-light                               # serves objects
   systemd python3-yaml                      # judge the unit, read the manifest

@@ -106,27 +106,30 @@ std::string write_table(const Triangulation& self, const Coordinates& line, cons
       [&](std::stop_token stop) { return write_profile(self, span, target, request.stop(std::move(stop))); });
 }
 
-DensityRequest density_request(double res, const std::vector<double>& bbox, const std::string& kind,
-                               const std::vector<std::string>& names, const std::string& mass, bool sample,
-                               std::uint64_t memory_bytes, unsigned threads) {
-  DensityRequest request(res);
+DensityRequest density_request(double res, const std::vector<std::int64_t>& voxels, const std::vector<double>& bbox,
+                               const std::string& kind, const std::vector<std::string>& names, const std::string& mass,
+                               bool sample, std::uint64_t memory_bytes, unsigned threads) {
+  DensityRequest request = voxels.empty() ? DensityRequest(res) : DensityRequest(voxels);
   if (!bbox.empty()) request.bbox(bbox);
   if (kind == "field") request.field(names.front());
   if (kind == "divergence") request.divergence(names);
   if (kind == "curl") request.curl(names);
+  if (kind == "shear") request.shear(names);
   request.mass(mass).sample(sample).memory_bytes(memory_bytes).threads(threads);
   return request;
 }
 
-// Returns (array, origin, mass, mass of the grid, note).
+// Returns (array, origin, widths, mass, mass of the grid, note).
 py::tuple density(const Triangulation& self, DensityRequest request) {
+  const auto widths = density_widths(self, request);
   auto* grid = new DensityGrid;
   const py::capsule owner(grid, [](void* memory) { delete static_cast<DensityGrid*>(memory); });
   *grid = run_interruptible([&](std::stop_token stop) { return draw_density(self, request.stop(std::move(stop))); });
   std::vector<py::ssize_t> shape(grid->size.rbegin(), grid->size.rend());
   if (grid->components > 1) shape.push_back(static_cast<py::ssize_t>(grid->components));
   return py::make_tuple(py::array(py::dtype::of<double>(), shape, grid->values.data(), owner),
-                        py::tuple(py::cast(grid->origin)), grid->mass, grid->grid_mass, grid->note);
+                        py::tuple(py::cast(grid->origin)), py::tuple(py::cast(widths)), grid->mass, grid->grid_mass,
+                        grid->note);
 }
 
 std::string write_grid(const Triangulation& self, const std::filesystem::path& target, DensityRequest request,

@@ -223,16 +223,18 @@ class Client:
         except (KeyError, TypeError, ValueError):
             raise self._http.no_tessera() from None
 
-    def density(self, name: str, target: Path, *, res: float, mass: str | None = None, field: str | None = None,
+    def density(self, name: str, target: Path, *, res: float | None = None,
+                grid: int | typing.Iterable[int] | None = None, mass: str | None = None, field: str | None = None,
                 divergence: typing.Iterable[str] | None = None, curl: typing.Iterable[str] | None = None,
-                sample: bool = False, bbox: typing.Iterable[float] | None = None, overwrite: bool = False,
-                memory: int | str | None = None, progress: typing.Callable[[Event], object] | None = None,
-                patience: float = PATIENCE_S) -> None:
+                shear: typing.Iterable[str] | None = None, sample: bool = False,
+                bbox: typing.Iterable[float] | None = None, overwrite: bool = False, memory: int | str | None = None,
+                progress: typing.Callable[[Event], object] | None = None, patience: float = PATIENCE_S) -> None:
         """Lets the daemon put the density of the points of a result, or a field, on a grid, and downloads the file.
 
         Arguments and warnings are those of Triangulation.density() with a path; others as for voronoi().
         """
-        options = {"res": float(res), "mass": mass, "field": field, "divergence": divergence, "curl": curl, "sample": sample,
+        options = {"res": None if res is None else float(res), "grid": [grid] if isinstance(grid, int) else grid, "mass": mass,
+                   "field": field, "divergence": divergence, "curl": curl, "shear": shear, "sample": sample,
                    "bbox": bbox, "memory": memory}
         self._make("density", name, target, overwrite, options, progress, patience)
 

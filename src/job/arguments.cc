@@ -179,6 +179,19 @@ Result<double> parse_distance(std::string_view text) {
 }
 
 // Words such as "nan" and "inf" are numbers here. Cloud::open() refuses them.
+Result<std::vector<std::int64_t>> parse_grid(std::string_view text) {
+  constexpr std::int64_t most = 1 << 24;
+  std::vector<std::int64_t> voxels;
+  for (const auto part : split_commas(text)) {
+    const auto number = parse_integer(part, 1, most);
+    if (!number || voxels.size() == 3)
+      return refuse(text, "is not a number of voxels along an axis, 1 to " + std::to_string(most) +
+                              ", like 256, or one for each axis like 256,256,128");
+    voxels.push_back(number.value());
+  }
+  return voxels;
+}
+
 Result<std::vector<double>> parse_periods(std::string_view text) {
   std::vector<double> periods;
   for (const auto part : split_commas(text)) {

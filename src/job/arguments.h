@@ -46,6 +46,9 @@ Result<double> parse_distance(std::string_view text);
 // Parses periods: one to three numbers, separated by commas. CloudOptions::periodic says which numbers are periods.
 Result<std::vector<double>> parse_periods(std::string_view text);
 
+// Parses numbers of voxels along axes: one to three whole numbers from 1 on, separated by commas.
+Result<std::vector<std::int64_t>> parse_grid(std::string_view text);
+
 // Parses LAS class numbers, 0..255: "2,9".
 Result<std::vector<int>> parse_classes(std::string_view text);
 Result<std::vector<std::uint32_t>> parse_scans(std::string_view text);

@@ -71,6 +71,15 @@ TEST(DensityOf, AResultHasTheMassOfItsPoints) {
     const auto values = draw_density(t, DensityRequest(0.125).field("density").sample(true)).values;
     EXPECT_EQ(values.size(), grid.values.size());
   }
+  const auto box = triangulate(cloud("uniform", 3, 100), TriangulationOptions().dimension(3).periodic({1.0}));
+  const std::vector<std::int64_t> voxels{4, 5, 3};
+  const DensityGrid grid = draw_density(box, DensityRequest(voxels));
+  EXPECT_EQ(grid.size, voxels);
+  EXPECT_EQ(grid.known, 60U);
+  EXPECT_NEAR(grid.grid_mass / 100, 1, 1e-12);
+  EXPECT_EQ(density_widths(box, DensityRequest(voxels)), (std::vector<double>{1 / 4., 1 / 5., 1 / 3.}));
+  EXPECT_EQ(density_widths(box, DensityRequest(0.5)), std::vector<double>(3, 0.5));
+  EXPECT_EQ(failure_of([&] { draw_density(box, DensityRequest(0.3)); }).cause(), Cause::usage);
   const auto t = triangulate(cloud("uniform", 2, 50), TriangulationOptions().dimension(2));
   EXPECT_EQ(failure_of([&] { draw_density(t, DensityRequest(0)); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { DensityRequest(1).bbox(std::vector<double>{1, 2, 3}); }).cause(), Cause::usage);

@@ -19,7 +19,7 @@ HEADERS = sorted((SOURCE / "include/tessera").glob("*.h"))
 PUBLIC = re.compile(
     r"tessera::(Delaunay|Triangulation|Tile|Proof|TriangulationOptions|ExportRequest|VerifyRequest|MeasureRequest|DensityRequest|RasterRequest|ContourRequest|ProfileRequest|RegionRequest|HeightsRequest|VolumeRequest|AlphaRequest|VoronoiRequest|UpdateRequest|VoidsRequest|Questions|Failure)::"
     r"|tessera::SurfaceRequest<tessera::(Raster|Contour|Profile|Volume)Request>::"
-    r"|tessera::(triangulate|triangulate_region|draw_raster|write_raster|draw_density|write_density|draw_contours|write_contours|draw_profile|write_profile|write_heights|compute_volumes|write_difference_raster|make_alpha_shape|write_alpha_shape|write_voronoi|update|describe|file_checksum|library_version)\("
+    r"|tessera::(triangulate|triangulate_region|draw_raster|write_raster|draw_density|density_widths|write_density|draw_contours|write_contours|draw_profile|write_profile|write_heights|compute_volumes|write_difference_raster|make_alpha_shape|write_alpha_shape|write_voronoi|update|describe|file_checksum|library_version)\("
     r"|(typeinfo|typeinfo name|vtable) for tessera::Failure$"
 )
 

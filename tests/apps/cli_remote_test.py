@@ -175,6 +175,8 @@ class Products(ServerTest):
         self.assertEqual(self.server.jobs["j3"].inputs, {"triangulation": "block", "output": "v.csv", "second": "after", "within": square})
         self.ok("density", "block", "-o", "d.npy", "--res", "2", "--curl", "vx,vy", "--detach")
         self.assertEqual(self.server.jobs["j4"].inputs, {"triangulation": "block", "output": "d.npy", "res": 2, "curl": ["vx", "vy"]})
+        self.ok("density", "block", "-o", "d.h5", "--grid", "64,32", "--shear", "vx,vy", "--detach")
+        self.assertEqual(self.server.jobs["j5"].inputs, {"triangulation": "block", "output": "d.h5", "grid": [64, 32], "shear": ["vx", "vy"]})
 
     def test_what_is_wrong_is_found_before_the_daemon_is_asked(self):
         self.refused(USAGE, "voronoi", "block", "-o", "cells.gpkg", "--clip", "square.gpkg", says="GeoJSON")

@@ -1,10 +1,26 @@
-"""tessera density --field, --divergence, --curl: means against fractions; constant and linear fields come out as they are."""
+"""tessera density --field, --divergence, --curl, --shear: means against fractions; constant and linear fields come out as they are."""
 import unittest
 
 import numpy as np
 from cli import USAGE
-from exact_clip import integrals
+from exact_clip import Q, determinant, integrals
 from gridded import DensityTest, clouds, lattice
+
+
+def gradient(edges, rises):
+    """Of the linear function that rises so much along the edges, by Cramer's rule."""
+    whole = determinant(edges)
+    return [determinant([row[:j] + [rise] + row[j + 1:] for row, rise in zip(edges, rises)]) / whole for j in range(len(edges))]
+
+
+def derivatives(by):
+    """by[i][j]: component i along axis j."""
+    d = len(by)
+    trace = sum(by[i][i] for i in range(d))
+    places = [(0, 0), (0, 1)] if d == 2 else [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2)]
+    curl = [by[1][0] - by[0][1]] if d == 2 else [by[2][1] - by[1][2], by[0][2] - by[2][0], by[1][0] - by[0][1]]
+    shear = [(by[i][j] + by[j][i]) / 2 - (trace / d if i == j else 0) for i, j in places]
+    return {"divergence": [trace], "curl": curl, "shear": shear}
 
 
 class Fields(DensityTest):
@@ -64,6 +80,42 @@ class Fields(DensityTest):
                     curl = turn[1, 0] if d == 2 else [turn[2, 1], turn[0, 2], turn[1, 0]]
                     np.testing.assert_allclose(values, np.broadcast_to(curl, values.shape), atol=1e-10)
                     self.assertEqual(said["components"], 1 if d == 2 else 3)
+                    values, said = self.grid("--res", "0.1", "--shear", ",".join(names), *box, *options)
+                    shear = (slopes + slopes.T) / 2 - np.eye(d) * np.trace(slopes) / d
+                    shear = [shear[i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2)) if j < d and (d == 3 or i == 0)]
+                    np.testing.assert_allclose(values, np.broadcast_to(shear, values.shape), atol=1e-10)
+                    self.assertEqual(said["components"], len(shear))
+
+    def test_derivatives_are_those_of_fractions(self):
+        for d in 2, 3:
+            rng = np.random.default_rng(d)
+            points = np.round(rng.random((14 if d == 2 else 8, d)) * 64) / 64
+            field = rng.integers(-9, 9, (len(points), d)) / 8
+            names = ["u", "v", "w"][:d]
+            self.triangulate(np.column_stack([points, field]), "--tiles", "2", names=names)
+            arrays = self.cells()
+            slopes = {}  # by component: (integral, volume) of each voxel
+            for cell in arrays["cells"].tolist():
+                corners = [[Q(float(x)) for x in arrays["points"][v]][:d] for v in cell]
+                edges = [[x - y for x, y in zip(p, corners[0])] for p in corners[1:]]
+                by = [gradient(edges, [Q(float(arrays[name][v])) - Q(float(arrays[name][cell[0]])) for v in cell[1:]])
+                      for name in names]
+                for kind, values in derivatives(by).items():
+                    for c, value in enumerate(values):
+                        found = integrals(arrays["points"], [cell], dict.fromkeys(cell, value), "0.25")
+                        for at, (integral, part) in found.items():
+                            old = slopes.setdefault((kind, c), {}).get(at, (0, 0))
+                            slopes[kind, c][at] = old[0] + integral, old[1] + part
+            for kind in "divergence", "curl", "shear":
+                values, said = self.grid("--res", "0.25", "--" + kind, ",".join(names))
+                values = values.reshape(*said["size"], -1)
+                self.assertEqual(values.shape[-1], said["components"])
+                for at in np.ndindex(*said["size"]):
+                    for c in range(values.shape[-1]):
+                        integral, part = slopes[kind, c].get(tuple((self.first(said) + at).tolist()), (0, 0))
+                        if float(part) > 1e-8 * 0.25 ** d:
+                            right = float(integral / part)
+                            self.assertAlmostEqual(values[at][c], right, delta=1e-11 * max(1, abs(right)), msg=(kind, c))
 
     def test_bytes_are_the_same_for_all_tiles_and_threads(self):
         rng = np.random.default_rng(3)
@@ -72,7 +124,7 @@ class Fields(DensityTest):
             names = ["u", "v", "w"][:d]
             cloud = np.column_stack([points, rng.normal(size=(300, d))])
             for options in (["--field", "u"], ["--divergence", ",".join(names)], ["--curl", ",".join(names)],
-                            ["--field", "u", "--sample"]):
+                            ["--shear", ",".join(names)], ["--field", "u", "--sample"]):
                 first = None
                 for tiles, store, threads in (1, "points", 1), (7, "cells", 2), (60, "points", 3):
                     self.triangulate(cloud, "--tiles", tiles, "--store", store, names=names)
@@ -103,6 +155,8 @@ class Fields(DensityTest):
                               (["--field", "u,v"], "--field: takes the name of one attribute"),
                               (["--divergence", "u"], "--divergence: takes the names of 2 attributes"),
                               (["--curl", "u,v,u"], "--curl: takes the names of 2 attributes"),
+                              (["--shear", "u,v,u"], "--shear: takes the names of 2 attributes"),
+                              (["--shear", "u,v", "--curl", "u,v"], "--curl and --shear cannot both be on one grid"),
                               (["--field", "u", "--curl", "u,v"], "--field and --curl cannot both be on one grid"),
                               (["--field", "u", "--mass", "v"], "--mass: has the masses for a density, but a field has none")):
             self.refused(USAGE, "density", self.out, "--res", "1", "-o", "grid.npy", *options, says=says)

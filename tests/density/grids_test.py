@@ -49,14 +49,14 @@ class Grids(DensityTest):
         self.triangulate(lattice(3, 3))
         flat = self.triangulate(lattice(3, 2), out=self.folder / "flat")
         before = {p.name for p in self.folder.iterdir()}
-        for options, says in ((["-o", "a.npy"], "the width of a pixel or voxel is not given; add --res"),
+        for options, says in ((["-o", "a.npy"], "the width of a pixel or voxel is not given; add --res 0.5, or --grid 256"),
                               (["-o", "a.npy", "--res", "0"], "is not a distance"),
                               (["-o", "a.npy", "--res", "-1"], "is not a distance"),
                               (["-o", "a.npy", "--res", "nan"], "is not a distance"),
                               (["-o", "a.npy", "--res", "1e200"], "--res: must be the width of a pixel or voxel"),
                               (["-o", "a.npy", "--res", "1e-9"], "voxels is too large: give a larger --res, or a smaller --bbox"),
                               (["-o", "a.npy", "--res", "1e-15"], "--res: is too small for coordinates as large as these"),
-                              (["-o", "a.h5", "--res", "1"], "'.h5' is not a format of grids; the formats are .tif, for images, and .npy"),
+                              (["-o", "a.vtk", "--res", "1"], "'.vtk' is not a format of grids; the formats are .npy, .h5, .fits, and for images .tif"),
                               (["-o", "a", "--res", "1"], "'' is not a format of grids"),
                               (["-o", "a.tif", "--res", "1"], "a GeoTIFF holds an image, but"),
                               (["-o", "a.npy", "--res", "1", "--bbox", "0,0,1,1"], "--bbox"),

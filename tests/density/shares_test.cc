@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <random>
 #include <set>
 #include <span>
+#include <string>
 #include <vector>
+
+#include "src/base/periodic_box.h"
 
 namespace tessera::density {
 namespace {
@@ -24,8 +28,9 @@ double volume_of(const std::vector<Point>& p) {
 }
 
 VoxelGrid grid_of(int dimension, double res, std::int64_t half) {
-  VoxelGrid grid{.dimension = dimension, .res = res};
+  VoxelGrid grid{.dimension = dimension};
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(dimension); ++axis) {
+    grid.axes[axis].length = res;
     grid.first[axis] = -half;
     grid.size[axis] = 2 * half;
   }
@@ -36,7 +41,7 @@ VoxelGrid grid_of(int dimension, double res, std::int64_t half) {
 double filled(const VoxelGrid& grid, const std::vector<Point>& cell) {
   double sum = 0;
   std::set<std::array<std::int64_t, 3>> seen;
-  const double voxel = std::pow(grid.res, grid.dimension) / volume_of(cell);
+  const double voxel = std::pow(grid.axes[0].width(), grid.dimension) / volume_of(cell);
   mean_shares(grid, cell, [&](const CellShare& share) {
     EXPECT_TRUE(seen.insert(share.at).second);
     for (const double weight : share.weights) {
@@ -127,6 +132,128 @@ TEST(MeanShares, OfAHugeCellAreWholeVoxels) {
   }
 }
 
+// A period of `count` voxels along each axis.
+VoxelGrid periodic_grid(int dimension, double period, std::int64_t count) {
+  VoxelGrid grid{.dimension = dimension};
+  for (std::size_t axis = 0; axis < static_cast<std::size_t>(dimension); ++axis) {
+    grid.axes[axis] = {.origin = 0, .length = period, .count = count, .periodic = true};
+    grid.size[axis] = count;
+  }
+  return grid;
+}
+
+TEST(MeanShares, OfAPeriodicGridFillTheCell) {
+  std::mt19937_64 random(3);
+  for (const std::size_t corners : {3U, 4U}) {
+    for (const std::int64_t count : {1, 2, 7, 48}) {
+      const VoxelGrid grid = periodic_grid(static_cast<int>(corners) - 1, 5, count);
+      for (int trial = 0; trial < 30; ++trial) {
+        // From one period before the box to one after it.
+        auto cell = random_cell(random, corners, 7.5);
+        for (Point& p : cell)
+          for (int axis = 0; axis < grid.dimension; ++axis) p[axis] += 2.5;
+        const double voxel = std::pow(grid.axes[0].width(), grid.dimension) / volume_of(cell);
+        double sum = 0;
+        mean_shares(grid, cell, [&](const CellShare& share) {
+          for (std::size_t axis = 0; axis < corners - 1; ++axis) {
+            EXPECT_GE(share.at[axis], 0);
+            EXPECT_LT(share.at[axis], count);
+          }
+          for (const double weight : share.weights) sum += weight * (share.of_voxel ? voxel : 1);
+          return true;
+        });
+        EXPECT_NEAR(sum, 1, 2e-13);
+      }
+    }
+  }
+}
+
+TEST(MeanShares, OfAPartOfAPeriodicGridAreThoseOfTheWhole) {
+  std::mt19937_64 random(4);
+  const VoxelGrid whole = periodic_grid(2, 5, 10);
+  VoxelGrid part = whole;
+  part.first = {8, -3, 0};  // over the border
+  part.size = {4, 5, 1};
+  for (int trial = 0; trial < 50; ++trial) {
+    auto cell = random_cell(random, 3, 5);
+    std::map<std::array<std::int64_t, 3>, double> wanted, found;
+    mean_shares(whole, cell, [&](const CellShare& share) {
+      auto at = share.at;
+      if (part.find(at)) wanted[at] += share.weights[0] + share.weights[1] + share.weights[2];
+      return true;
+    });
+    mean_shares(part, cell, [&](const CellShare& share) {
+      found[share.at] += share.weights[0] + share.weights[1] + share.weights[2];
+      return true;
+    });
+    EXPECT_EQ(found, wanted);
+  }
+}
+
+TEST(VoxelAxis, HasExactPlanesAtThePeriod) {
+  for (const double length : {1.0, in_steps(0.3), in_steps(1e9 / 3), 360.0}) {  // as periods are
+    for (const std::int64_t count : {1, 3, 7, 1000, 1 << 24}) {
+      const VoxelAxis axis{.origin = 0, .length = length, .count = count, .periodic = true};
+      for (const int k : {-1, 0, 1, 2}) {
+        const GridPlane plane = axis.plane(k * count);
+        EXPECT_EQ(plane.at, k * length);
+        EXPECT_EQ(plane.rest, 0);
+        EXPECT_EQ(axis.voxel_of(k * length), k * count);
+        EXPECT_EQ(axis.voxel_below(k * length), k * count - 1);
+      }
+      for (const std::int64_t i : {std::int64_t{0}, count / 2, count - 1}) {
+        EXPECT_EQ(axis.centre(i + count) - length, axis.centre(i));
+        EXPECT_EQ(axis.centre(i - count) + length, axis.centre(i));
+        EXPECT_EQ(axis.voxel_of(axis.centre(i)), i);
+      }
+    }
+  }
+}
+
+TEST(VoxelAxis, CoversABoxByNumber) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> coordinate(-1e3, 1e3);
+  for (int trial = 0; trial < 1000; ++trial) {
+    Bounds box;
+    for (int i = 0; i < 2; ++i) box.add(Point{coordinate(random), coordinate(random), 0});
+    const auto grid = voxels_over("out", 2, {}, {.voxels = {1 + trial % 13, 5}}, box);
+    ASSERT_TRUE(grid.has_value());
+    EXPECT_EQ(grid.value().size, (std::array<std::int64_t, 3>{1 + trial % 13, 5, 1}));
+    EXPECT_EQ(grid.value().first, (std::array<std::int64_t, 3>{}));
+    EXPECT_EQ(grid.value().axes[0].plane(0).at, box.lo.x);
+    EXPECT_LE(grid.value().axes[0].plane(1 + trial % 13).below(box.hi.x), 0);
+  }
+}
+
+TEST(VoxelsOver, RefuseWhatDoesNotFitThePeriod) {
+  const Bounds all{{0, 0, 0}, {9, 9, 0}};
+  const Period period{{10, 3, 0}};
+  const auto says = [&](const GridShape& shape) {
+    const auto grid = voxels_over("out", 2, period, shape, all);
+    return grid ? std::string() : grid.error().where;
+  };
+  EXPECT_EQ(says({.res = 0.1}), "");
+  EXPECT_EQ(says({.res = 1.0 / 3}), "");
+  EXPECT_EQ(says({.res = 0.333333333333}), "");
+  EXPECT_NE(says({.res = 0.3})
+                .find("does not divide the period 10 along x; the next widths that do are 0.303030303030303 "
+                      "and 0.294117647058824"),
+            std::string::npos);
+  EXPECT_NE(says({.res = 5}).find("does not divide the period 3 along y; the next widths that do are 3 and 1.5"),
+            std::string::npos);
+  EXPECT_NE(says({.res = 1e-9}).find("is too small"), std::string::npos);
+  EXPECT_EQ(says({.voxels = {7}}), "");
+  EXPECT_EQ(says({.voxels = {7, 1}}), "");
+  EXPECT_NE(says({.voxels = {7, 1, 2}}).find("takes 1, or one for each of the 2 axes"), std::string::npos);
+  EXPECT_NE(says({.voxels = {0}}).find("must be 1 to 16777216"), std::string::npos);
+  EXPECT_NE(says({.res = 1, .voxels = {7}}).find("give one of them"), std::string::npos);
+  EXPECT_EQ(says({.res = 1, .box = Bounds{{-5, 1, 0}, {5, 2, 0}}}), "");
+  EXPECT_NE(says({.res = 1, .box = Bounds{{-5, 1, 0}, {5.5, 2, 0}}}).find("longer than the period along x, 10"),
+            std::string::npos);
+  EXPECT_NE(says({.voxels = {7}, .box = Bounds{{-5, 1, 0}, {5, 2, 0}}}).find("counts the pixels of the whole period"),
+            std::string::npos);
+}
+
 TEST(SampleShares, GiveEachCentreToOneCell) {
   // A cube of six tetrahedra around a diagonal; its centres are on the edges and facets of cells.
   const std::vector<Point> cube{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}, {0, 0, 4}, {4, 0, 4}, {0, 4, 4}, {4, 4, 4}};
@@ -141,7 +268,8 @@ TEST(SampleShares, GiveEachCentreToOneCell) {
       for (int axis = 0; axis < 3; ++axis) {
         double at = 0;
         for (std::size_t k = 0; k < 4; ++k) at += share.weights[k] * cell[k][axis];
-        EXPECT_NEAR(at, grid.centre(share.at[static_cast<std::size_t>(axis)]), 1e-14);
+        EXPECT_NEAR(at, grid.axes[static_cast<std::size_t>(axis)].centre(share.at[static_cast<std::size_t>(axis)]),
+                    1e-14);
       }
       return true;
     });

@@ -106,7 +106,8 @@ def gas(here):
     chance = np.random.default_rng(1)
     here.table("galaxy.csv", "x,y,z", chance.normal(0, 8, (500, 3)))
     here.table("gas.csv", "x,y,z,mass,temperature,vx,vy,vz", np.hstack([chance.random((500, 3)) * 5000, chance.random((500, 5))]))
-    here.made("tessera triangulate galaxy.csv -o galaxy/ --quiet && tessera triangulate gas.csv -o gas/ --attributes all --quiet")
+    here.made("tessera triangulate galaxy.csv -o galaxy/ --quiet && tessera triangulate gas.csv -o gas/ --attributes all --quiet"
+              " && tessera triangulate galaxy.csv -o box/ --periodic 100 --quiet")
 
 
 def inputs(here):

@@ -142,7 +142,7 @@ class Work(ClientTest):
 
     def sent(self):
         inputs = list(self.server.jobs.values())[-1].inputs
-        self.assertRegex(inputs.pop("output"), "^[0-9a-f]{32}[.][a-z]+$")
+        self.assertRegex(inputs.pop("output"), "^[0-9a-f]{32}[.][a-z0-9]+$")
         return inputs
 
     def test_products_arrive_and_are_gone_there(self):
@@ -166,6 +166,10 @@ class Work(ClientTest):
         self.told = {}
         self.client.density("block", self.folder / "grid.npy", res=2, curl=("vx", "vy"), bbox=(0, 0, 1, 1))
         self.assertEqual(self.sent(), {"triangulation": "block", "res": 2.0, "curl": ["vx", "vy"], "sample": False, "bbox": [0, 0, 1, 1]})
+        self.client.density("block", self.folder / "grid.h5", grid=64, shear=("vx", "vy"))
+        self.assertEqual(self.sent(), {"triangulation": "block", "grid": [64], "shear": ["vx", "vy"], "sample": False})
+        self.client.density("block", self.folder / "grid.fits", grid=(64, 32))
+        self.assertEqual(self.sent(), {"triangulation": "block", "grid": [64, 32], "sample": False})
         with self.assertRaises(tessera.Error):
             self.client.alpha("block", self.folder / "none.ply")
         self.told = {"radius": 2.5}

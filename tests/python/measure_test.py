@@ -70,6 +70,20 @@ class Measure(FolderTest):
             names = ["density"] * dim
             curl = t.density(res=0.25, curl=names, bbox=[0.25] * dim + [0.75] * dim).values
             self.assertEqual(curl.shape, (2, 2) if dim == 2 else (2, 2, 2, 3))
+            box = tessera.triangulate(np.round(points * 2**30) / 2**30, periodic=1, max_points_per_tile=100)  # no rounding
+            grid = box.density(grid=(8, 5, 3)[:dim])
+            self.assertEqual(grid.values.shape, (8, 5, 3)[:dim][::-1])
+            self.assertEqual((grid.origin, grid.widths, grid.res), ((0,) * dim, (1 / 8, 1 / 5, 1 / 3)[:dim], None))
+            self.assertAlmostEqual(grid.values.sum() * np.prod(grid.widths), 410, places=8)
+            self.assertEqual(box.density(res=0.25).res, 0.25)
+            self.assertTrue(box.measure(density=True).made)
+            shear = box.density(grid=np.int64(4), shear=names).values
+            self.assertEqual(shear.shape, (4,) * dim + ((2,) if dim == 2 else (5,)))
+            with self.assertRaisesRegex(tessera.UsageError, "res: does not divide the period 1 along x"):
+                box.density(res=0.3)
+            for options in ({}, {"res": 1, "grid": 4}):
+                with self.assertRaisesRegex(tessera.UsageError, "give either res, the width of a pixel or voxel, or grid"):
+                    box.density(**options)
             with self.assertRaisesRegex(tessera.UsageError, "field and curl cannot both be on one grid"):
                 t.density(res=1, field="density", curl=names)
             with self.assertRaisesRegex(tessera.UsageError, "bbox"):

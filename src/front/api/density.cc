@@ -29,9 +29,12 @@ struct DensityRequest::Impl {
 };
 
 DensityRequest::DensityRequest(double res) : impl_(std::make_unique<Impl>()) {
-  impl_->options.res = res;
+  impl_->options.shape.res = res;
   impl_->options.memory_bytes = 0;
   impl_->options.threads = 0;
+}
+DensityRequest::DensityRequest(std::span<const std::int64_t> voxels) : DensityRequest(0.0) {
+  impl_->options.shape.voxels.assign(voxels.begin(), voxels.end());
 }
 DensityRequest::DensityRequest(const DensityRequest& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 DensityRequest& DensityRequest::operator=(const DensityRequest& other) {
@@ -47,7 +50,8 @@ DensityRequest& DensityRequest::bbox(std::span<const double> box) {
   });
   const std::size_t d = box.size() / 2;
   constexpr double far = std::numeric_limits<double>::infinity();
-  impl_->options.box = Bounds{{box[0], box[1], d == 3 ? box[2] : -far}, {box[d], box[d + 1], d == 3 ? box[5] : far}};
+  impl_->options.shape.box =
+      Bounds{{box[0], box[1], d == 3 ? box[2] : -far}, {box[d], box[d + 1], d == 3 ? box[5] : far}};
   return *this;
 }
 DensityRequest& DensityRequest::mass(const std::string& name) {
@@ -64,6 +68,10 @@ DensityRequest& DensityRequest::divergence(const std::vector<std::string>& names
 }
 DensityRequest& DensityRequest::curl(const std::vector<std::string>& names) {
   impl_->ask(density::GridKind::curl, names);
+  return *this;
+}
+DensityRequest& DensityRequest::shear(const std::vector<std::string>& names) {
+  impl_->ask(density::GridKind::shear, names);
   return *this;
 }
 DensityRequest& DensityRequest::sample(bool sample) {
@@ -108,6 +116,16 @@ DensityGrid draw_density(const Triangulation& triangulation, const DensityReques
       grid.origin.push_back(facts.origin[axis]);
     }
     return grid;
+  });
+}
+
+std::vector<double> density_widths(const Triangulation& triangulation, const DensityRequest& request) {
+  return guarded([&] {
+    const auto grid = value_or_throw(density::grid_of(triangulation.folder(), OptionsInside::of(request).chosen()));
+    std::vector<double> widths;
+    for (std::size_t axis = 0; axis < static_cast<std::size_t>(grid.dimension); ++axis)
+      widths.push_back(grid.axes[axis].width());
+    return widths;
   });
 }
 

@@ -37,7 +37,7 @@ Result<Bounds> parse_box(const std::string& text) {
 Status read_names(Settings& settings, GridOptions& options) {
   std::string given;
   for (const auto& [key, kind] : {std::pair("field", GridKind::field), std::pair("divergence", GridKind::divergence),
-                                  std::pair("curl", GridKind::curl)}) {
+                                  std::pair("curl", GridKind::curl), std::pair("shear", GridKind::shear)}) {
     BOOST_OUTCOME_TRY(names, settings.get(key, [](const std::string& text) { return parse_names(text); }));
     if (!names) continue;
     if (!given.empty())
@@ -52,10 +52,14 @@ Status read_names(Settings& settings, GridOptions& options) {
 Result<GridOptions> read_options(Settings& settings) {
   GridOptions options;
   BOOST_OUTCOME_TRY(res, settings.get("res", [](const std::string& text) { return parse_distance(text); }));
-  if (!res) return error(Errc::usage, "the width of a pixel or voxel is not given; add --res 0.5");
-  options.res = *res;
+  BOOST_OUTCOME_TRY(voxels, settings.get("grid", [](const std::string& text) { return parse_grid(text); }));
+  if (!res && !voxels)
+    return error(Errc::usage,
+                 "the width of a pixel or voxel is not given; add --res 0.5, or --grid 256 for as many of them");
+  options.shape.res = res.value_or(0);
+  options.shape.voxels = voxels.value_or(std::vector<std::int64_t>{});
   BOOST_OUTCOME_TRY(box, settings.get("bbox", parse_box));
-  options.box = box;
+  options.shape.box = box;
   BOOST_OUTCOME_TRYV(read_names(settings, options));
   options.mass = settings.text("mass").value_or("");
   BOOST_OUTCOME_TRY(sample, settings.on("sample"));
@@ -72,7 +76,7 @@ Result<GridOptions> read_options(Settings& settings) {
 Status run_density(Settings& settings, const OneStep& made_of) {
   const std::string target = settings.text("output").value_or("");
   if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera density --help'");
-  if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE.tif or -o FILE.npy");
+  if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE.npy, .h5, .fits or .tif");
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
   BOOST_OUTCOME_TRY(options, read_options(settings));
@@ -102,11 +106,19 @@ Command add_density(CLI::App& root) {
       "  tessera density cities/ --res 0.5 --mass population -o density.tif  (of a 2D result, as a GeoTIFF)\n"
       "  tessera density gas/ --res 500 --field temperature -o mean.npy      (the mean of an attribute)\n"
       "  tessera density gas/ --res 500 --divergence vx,vy,vz -o div.npy\n"
+      "  tessera density box/ --grid 256 --shear vx,vy,vz -o shear.h5        (256 voxels along each axis of a periodic "
+      "box)\n"
       "  tessera density 'block/*.laz' --dim 2 --res 1 -o density.tif        (of point files, in one step)");
-  add_value(command, "res", "LENGTH", "the width of a pixel or voxel, in units of the coordinates");
+  add_value(
+      command, "res", "LENGTH",
+      "the width of a pixel or voxel, in units of the coordinates; along a periodic axis a whole part of the period");
+  add_value(command, "grid", "N|NX,NY,NZ",
+            "instead of --res, the number of pixels or voxels along each axis, which fill the period, --bbox, or the "
+            "bounds of the result",
+            0, true);
   add_value(command, "bbox", "BOX",
             "xmin,ymin,xmax,ymax, or in 3D xmin,ymin,zmin,xmax,ymax,zmax: the box that the grid covers; default: the "
-            "bounds of the result",
+            "bounds of the result, along a periodic axis the period",
             0, true);
   add_value(command, "mass", "NAME",
             "the attribute of the vertices that has their masses; default: each point has mass 1", 0, true);
@@ -117,8 +129,11 @@ Command add_density(CLI::App& root) {
   add_value(command, "curl", "NAMES",
             "instead of the density, the mean curl of such a vector: in 2D a number, in 3D a vector for each voxel", 0,
             true);
+  add_value(command, "shear", "NAMES",
+            "instead of the density, the mean shear of such a vector: in 2D xx,xy, in 3D xx,xy,xz,yy,yz for each voxel",
+            0, true);
   add_switch(command, "sample", "the values at the centres of pixels or voxels, not the means over them", 0, true);
-  add_value(command, "output", "PATH", "the file to write: a .tif of a 2D result, or a .npy", 'o', true);
+  add_value(command, "output", "PATH", "the file to write: a .npy, .h5, .fits, or of a 2D result a .tif", 'o', true);
   add_memory_option(command, "tiles and sums");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);

@@ -1,5 +1,6 @@
 #include "src/front/apps/products.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -49,13 +50,20 @@ WrittenVoronoi voronoi_of(const Json& outcome) {
           .note = text(outcome, "note")};
 }
 
+std::string digits_of(double number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.17g", number);
+  return text.data();
+}
+
 density::GridFile grid_of(const Json& outcome) {
   density::GridFacts facts;
   const Json& size = outcome.at("size");
   facts.dimension = size.size() == 2 ? 2 : 3;
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(facts.dimension); ++axis)
     facts.size[axis] = size.at(axis).get<std::int64_t>();
-  facts.res = outcome.at("res").get<double>();
+  for (std::size_t axis = 0; axis < static_cast<std::size_t>(facts.dimension); ++axis)
+    facts.widths[axis] = outcome.at("widths").at(axis).get<double>();
   facts.known = number(outcome, "known");
   const auto mass = [&](const char* key) {
     const Json& value = outcome.at(key);
@@ -110,15 +118,17 @@ void print_product(const density::GridFile& file, const OutputOptions& output) {
   }
   if (output.quiet) return;
   const density::GridFacts& facts = file.facts;
-  std::string sides;
+  std::string sides, widths;  // of widths that are all the same, one
   std::uint64_t all = 1;
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(facts.dimension); ++axis) {
     const auto side = static_cast<std::uint64_t>(facts.size[axis]);
     sides += (sides.empty() ? "" : " x ") + grouped(side);
+    if (axis == 0 || facts.widths[axis] != facts.widths[0])
+      widths += (widths.empty() ? "" : " x ") + digits_of(facts.widths[axis]);
     all *= side;
   }
-  say("%s: %s %s of width %.17g, %s of them without a value, %s\n", file.path.c_str(), sides.c_str(),
-      facts.dimension == 2 ? "pixels" : "voxels", facts.res, grouped(all - facts.known).c_str(),
+  say("%s: %s %s of width %s, %s of them without a value, %s\n", file.path.c_str(), sides.c_str(),
+      facts.dimension == 2 ? "pixels" : "voxels", widths.c_str(), grouped(all - facts.known).c_str(),
       human_bytes(file.bytes).c_str());
   if (facts.mass && facts.grid_mass)
     say("mass of all points: %.17g, of the grid: %.17g\n", *facts.mass, *facts.grid_mass);

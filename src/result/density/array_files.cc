@@ -117,7 +117,7 @@ Hdf5Layout hdf5_layout(const GridRequest& request, const GridLabels& labels) {
 void add_image_cards(FitsCards& cards, const GridRequest& request, const GridLabels& labels) {
   constexpr std::array<const char*, 3> names{"X", "Y", "Z"};
   const VoxelGrid& grid = request.grid;
-  cards.text("BUNIT", labels.unit.empty() ? "" : labels.unit);
+  if (!labels.unit.empty()) cards.text("BUNIT", labels.unit);
   cards.text("OBJECT", labels.about);
   const std::string unit = unit_of(request.source.manifest(), 1);
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(grid.dimension); ++axis) {

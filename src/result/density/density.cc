@@ -1,18 +1,13 @@
 #include "src/result/density/density.h"
 
-#include <fcntl.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "src/base/crs/crs.h"
-#include "src/base/files/descriptor.h"
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
-#include "src/base/files/whole_file.h"
 #include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/result/density/array_files.h"
@@ -139,6 +134,11 @@ Status check_grid_target(const fs::path& target, bool overwrite) {
     return error(Errc::usage, target.string() + ": '" + ending +
                                   "' is not a format of grids; the formats are .npy, .h5, .fits, and for images .tif");
   return exports::check_free(target, overwrite);
+}
+
+Result<VoxelGrid> grid_of(const fs::path& out, const GridOptions& options) {
+  BOOST_OUTCOME_TRY(request, check_request(out, options));
+  return request.grid;
 }
 
 Result<GridFile> write_grid(const fs::path& out, const fs::path& target, const GridOptions& options,

@@ -76,6 +76,9 @@ Status check_grid_target(const std::filesystem::path& target, bool overwrite);
 Result<GridFile> write_grid(const std::filesystem::path& out, const std::filesystem::path& target,
                             const GridOptions& options, std::stop_token stop);
 
+// Returns the grid, of which only the manifest is read. Errors: usage; those of opening a result.
+Result<VoxelGrid> grid_of(const std::filesystem::path& out, const GridOptions& options);
+
 struct GridArray {
   GridFacts facts;
   std::vector<double> values;  // as in a .npy file

@@ -106,7 +106,7 @@ const std::map<std::string, std::vector<std::string>>& required_fields() {
       {"MeasureInputs", {"triangulation"}},
       {"UpdateInputs", {"triangulation"}},
       {"VoronoiInputs", {"triangulation", "output"}},
-      {"DensityInputs", {"triangulation", "output", "res"}},
+      {"DensityInputs", {"triangulation", "output"}},
       {"AlphaInputs", {"triangulation", "output"}},
       {"VolumeInputs", {"triangulation", "output"}}};
   return fields;

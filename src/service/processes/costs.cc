@@ -14,6 +14,7 @@
 #include "src/job/open_cloud.h"
 #include "src/job/report/human.h"
 #include "src/result/density/voxel_grid.h"
+#include "src/result/store/period.h"
 #include "src/result/terrain/grid.h"
 #include "src/result/tileset/tileset.h"
 #include "src/service/problem.h"
@@ -107,18 +108,18 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const densit
                                           proto::Estimate& estimate) {
   add_surface(manifest, options.memory_bytes, options.threads, estimate);
   const auto grid =
-      density::voxels_over(manifest.dimension, options.res, options.box.value_or(manifest.bounds), manifest.bounds);
+      density::voxels_over("the result", manifest.dimension, period_of(manifest), options.shape, manifest.bounds);
   if (!grid) return problem_of(grid.error());
   const bool density = options.kind == density::GridKind::density;
-  const std::uint64_t components = options.kind == density::GridKind::curl && manifest.dimension == 3 ? 3 : 1;
+  const std::uint64_t components = density::components_of(options.kind, manifest.dimension);
   const auto voxels = static_cast<std::uint64_t>(grid.value().voxels());
   estimate.set_result_bytes(voxels * components * sizeof(double));
   estimate.set_temporary_bytes(voxels * (components + (density ? 0 : 1)) * density_sum_bytes);
   estimate.set_seconds(estimate.seconds() +
                        static_cast<double>(voxels) / (terrain_rate * std::max(1u, options.threads)));
   const auto disk = estimate.result_bytes() + estimate.temporary_bytes();
-  return check_disk("res: a grid of " + grouped(voxels) + " pixels or voxels needs up to " + human_bytes(disk) +
-                        " of disk while it is made; ",
+  return check_disk((options.shape.voxels.empty() ? "res" : "grid") + std::string(": a grid of ") + grouped(voxels) +
+                        " pixels or voxels needs up to " + human_bytes(disk) + " of disk while it is made; ",
                     disk, limits, data);
 }
 

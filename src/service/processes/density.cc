@@ -18,7 +18,7 @@ namespace {
 
 std::optional<proto::Problem> check_density_options(const proto::Inputs& inputs, const JobShare& share) {
   if (auto bad = problem_if(density_options(inputs.density(), share))) return bad;
-  return check_ending(inputs, {".tif", ".tiff", ".npy"});
+  return check_ending(inputs, {".tif", ".tiff", ".npy", ".h5", ".hdf5", ".fits"});
 }
 
 std::optional<proto::Problem> check_density(const Workshop& shop, const proto::Inputs& inputs) {
@@ -65,8 +65,8 @@ constinit const Process density_process{
     .name = "density",
     .title = "Density or field",
     .description =
-        "Puts the density of the points of a result, or a field, on a grid of pixels or voxels: a .npy, or of a 2D "
-        "result a .tif.",
+        "Puts the density of the points of a result, or a field, on a grid of pixels or voxels: a .npy, .h5 or "
+        ".fits, or of a 2D result a .tif.",
     .outcome = "The file, by reference, and the mass of the points and of the grid",
     .reads = Process::Reads::a_result,
     .makes = Process::Makes::file,

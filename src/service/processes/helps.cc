@@ -85,6 +85,10 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"scan_files",
      "Read all files once to see where their points are, instead of relying on the boxes that the files state."},
     {"res", "The width of a pixel or voxel, in units of the coordinates."},
+    {"grid",
+     "Instead of res, the number of pixels or voxels along each axis, or one number for all axes; they fill the "
+     "period, "
+     "bbox, or the bounds of the result."},
     {"value", "The attribute of the vertices to draw, or to take as heights; default: z, the heights."},
     {"type", "The type of the pixels: float32 (default) or float64."},
     {"method",
@@ -157,6 +161,10 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"divergence",
      "Instead of the density, the mean divergence of the vector with these attributes of the vertices as components."},
     {"curl", "Instead of the density, the mean curl of such a vector: in 2D a number, in 3D a vector for each voxel."},
+    {"shear",
+     "Instead of the density, the mean shear of such a vector, the symmetric part of its gradient without the trace: "
+     "in "
+     "2D xx and xy, in 3D xx, xy, xz, yy and yz."},
     {"sample", "The values at the centres of pixels or voxels, not the means over them."},
     {"general", "Also write singular facets, edges and vertices, which belong to no cell in the shape."},
     {"second", "The name of the 2D result that is the surface after; the surface before is that of triangulation."},

@@ -40,11 +40,11 @@ Status read_clip(const std::string& text, VoronoiOptions& options) {
 }
 
 Status read_names(const proto::DensityInputs& inputs, density::GridOptions& options) {
-  const int kinds =
-      (inputs.has_field() ? 1 : 0) + (inputs.divergence_size() > 0 ? 1 : 0) + (inputs.curl_size() > 0 ? 1 : 0);
+  const int kinds = (inputs.has_field() ? 1 : 0) + (inputs.divergence_size() > 0 ? 1 : 0) +
+                    (inputs.curl_size() > 0 ? 1 : 0) + (inputs.shear_size() > 0 ? 1 : 0);
   if (kinds > 1)
-    return error(Errc::usage, option("field") + ", " + option("divergence") + " and " + option("curl") +
-                                  " cannot be on one grid together; give one of them");
+    return error(Errc::usage, option("field") + ", " + option("divergence") + ", " + option("curl") + " and " +
+                                  option("shear") + " cannot be on one grid together; give one of them");
   if (inputs.has_field()) {
     options.kind = density::GridKind::field;
     options.names = {inputs.field()};
@@ -54,6 +54,9 @@ Status read_names(const proto::DensityInputs& inputs, density::GridOptions& opti
   } else if (inputs.curl_size() > 0) {
     options.kind = density::GridKind::curl;
     options.names = list_of(inputs.curl());
+  } else if (inputs.shear_size() > 0) {
+    options.kind = density::GridKind::shear;
+    options.names = list_of(inputs.shear());
   }
   return success();
 }
@@ -73,15 +76,18 @@ Result<AlphaOptions> alpha_options(const proto::AlphaInputs& inputs, const JobSh
 
 Result<density::GridOptions> density_options(const proto::DensityInputs& inputs, const JobShare& share) {
   density::GridOptions options;
-  BOOST_OUTCOME_TRY(res, length_of("res", inputs.res()));
-  options.res = res;
+  if (inputs.grid_size() == 0 || inputs.has_res()) {
+    BOOST_OUTCOME_TRY(res, length_of("res", inputs.res()));
+    options.shape.res = res;
+  }
+  options.shape.voxels.assign(inputs.grid().begin(), inputs.grid().end());
   if (inputs.bbox_size() > 0) {
     const std::vector<double> numbers(inputs.bbox().begin(), inputs.bbox().end());
     for (const double number : numbers)
       if (!std::isfinite(number)) return refuse("bbox", "is not a box: one of its numbers is not finite");
     const auto box = crop_box(numbers, numbers.size() > 4 ? 3 : 2);
     if (!box) return refuse("bbox", box.error().where);
-    options.box = Bounds{box.value().lo, box.value().hi};
+    options.shape.box = Bounds{box.value().lo, box.value().hi};
   }
   BOOST_OUTCOME_TRYV(read_names(inputs, options));
   options.mass = inputs.mass();
