@@ -131,7 +131,7 @@ class Periodic(CliTest):
         says = "holds the triangulation of a periodic cloud"
         for command in (["query", "out", "locate", "0.5,0.5"], ["export", "out", "-o", "a.ply"], ["dem", "out", "--res", "0.1", "-o", "a.tif"],
                         ["contours", "out", "--interval", "1", "-o", "a.geojson"],
-                        ["voronoi", "out", "-o", "a.geojson"], ["alpha", "out", "--alpha", "1", "-o", "a.geojson"],
+                        ["alpha", "out", "--alpha", "1", "-o", "a.geojson"],
                         ["surface", "space", "-o", "a.ply"], ["update", "out", "--add", "cloud.npy"],
                         ["density", "space", "--res", "0.25", "-o", "d.npy"]):
             done = self.run_tessera(*command)

@@ -15,7 +15,7 @@ namespace {
 using Fraction = boost::multiprecision::cpp_rational;
 
 Fraction fraction_of(const ScaledInteger& number) {
-  Fraction value(number.value);
+  Fraction value(boost::multiprecision::cpp_int(number.value));
   const auto power = boost::multiprecision::cpp_int(1) << static_cast<unsigned>(std::abs(number.exponent));
   return number.exponent < 0 ? Fraction(value / Fraction(power)) : Fraction(value * Fraction(power));
 }
@@ -94,7 +94,7 @@ TEST(RoundedQuotient, IsTheNearestDouble) {
     for (int more = static_cast<int>(rng() % 4); more > 0; --more) value = (value << 64) + rng();
     if (rng() % 2 == 0) value >>= 40 + rng() % 20;
     if (rng() % 2 == 0) value = -value;
-    const ScaledInteger number{value, static_cast<int>(rng() % 1200) - 1350};
+    const ScaledInteger number{Integer(value), static_cast<int>(rng() % 1200) - 1350};
     for (const unsigned divisor : {1u, 2u, 6u}) {
       const double rounded = rounded_quotient(number, divisor);
       expect_nearest(fraction_of(number) / divisor, rounded);

@@ -16,9 +16,12 @@
 
 namespace tessera {
 
+// Of any size; 512 bits need no memory of their own, and are enough for nearly all volumes.
+using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<512, 0>>;
+
 // The number value times 2^exponent.
 struct ScaledInteger {
-  boost::multiprecision::cpp_int value;
+  Integer value;
   int exponent = 0;
 };
 

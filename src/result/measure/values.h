@@ -47,18 +47,22 @@ Status for_each_cell(const TileSource& source, std::size_t index, const TileMesh
   return success();
 }
 
-// The cells around each vertex of a tile that is its own.
+// The cells around some vertices of a tile.
 struct Stars {
-  explicit Stars(const TileMesh& mesh) {
+  // Around the tile's own vertices.
+  explicit Stars(const TileMesh& mesh) : Stars(mesh, [&](std::size_t v) { return mesh.point_ghost[v] == 0; }) {}
+  // Around the vertices for which `wanted(vertex)` is true. The tile has all cells of its own vertices alone.
+  template <class Wanted>
+  Stars(const TileMesh& mesh, const Wanted& wanted) {
     const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
-    const auto is_own = [&](std::int32_t v) { return mesh.point_ghost[static_cast<std::size_t>(v)] == 0; };
+    const auto is_wanted = [&](std::int32_t v) { return wanted(static_cast<std::size_t>(v)); };
     first.assign(mesh.points.size() + 1, 0);
-    for (const std::int32_t v : mesh.cells) first[static_cast<std::size_t>(v) + 1] += is_own(v) ? 1 : 0;
+    for (const std::int32_t v : mesh.cells) first[static_cast<std::size_t>(v) + 1] += is_wanted(v) ? 1 : 0;
     for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
     around.resize(first.back());
     std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
     for (std::size_t i = 0; i < mesh.cells.size(); ++i)
-      if (is_own(mesh.cells[i]))
+      if (is_wanted(mesh.cells[i]))
         around[next[static_cast<std::size_t>(mesh.cells[i])]++] = static_cast<std::uint32_t>(i / corners);
   }
   std::span<const std::uint32_t> of(std::size_t vertex) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/geometry/mesh/image_order.h"
 #include "src/geometry/predicates/exact/predicates.h"
 #include "src/result/measure/values.h"
 #include "src/result/voronoi/box_clipper.h"
@@ -70,7 +71,7 @@ class SpaceCells {
   const Point& point(std::int32_t v) const { return mesh_.points[static_cast<std::size_t>(v)]; }
 
   // Finds the faces: there is one for each edge of the vertex, whose corners are the centres of the cells around the
-  // edge. They come by ascending ids of the neighbours, so that their order does not depend on the tile.
+  // edge. They come in the order of the neighbours (image_order.h), which does not depend on the tile.
   bool find_faces(std::size_t vertex) {
     edges_.clear();
     for (const std::uint32_t cell : stars_.of(vertex)) {
@@ -83,8 +84,9 @@ class SpaceCells {
       if (own % 2 == 1) std::swap(other[1], other[2]);  // so that the vertex before them is an even permutation
       for (std::size_t k = 0; k < 3; ++k) edges_.push_back({other[k], {other[(k + 1) % 3], other[(k + 2) % 3], cell}});
     }
-    const auto id = [&](std::int32_t v) { return mesh_.ids[static_cast<std::size_t>(v)]; };
-    std::sort(edges_.begin(), edges_.end(), [&](const auto& a, const auto& b) { return id(a.first) < id(b.first); });
+    const auto order = [&](std::int32_t v) { return image_order(mesh_, static_cast<std::size_t>(v)); };
+    std::sort(edges_.begin(), edges_.end(),
+              [&](const auto& a, const auto& b) { return order(a.first) < order(b.first); });
     faces_.clear();
     ring_.clear();
     unbounded_ = false;

@@ -138,6 +138,19 @@ Status check_result(const fs::path& out, const Manifest& manifest, const Voronoi
   return success();
 }
 
+// The clip of a periodic result: none.
+Result<VoronoiOptions> suited_to(const TileSource& source, const VoronoiOptions& options) {
+  VoronoiOptions suited = options;
+  if (!source.period().any()) return suited;
+  if (options.clip != VoronoiClip::automatic && options.clip != VoronoiClip::none)
+    return error(Errc::usage, source.folder().string() +
+                                  ": holds the triangulation of a periodic cloud, whose Voronoi cells are written "
+                                  "whole, each once; leave " +
+                                  option("clip") + " out");
+  suited.clip = VoronoiClip::none;
+  return suited;
+}
+
 // Applies the repairs to a cell, and measures it again. `wkb` keeps its new shape.
 void repair(CellRecord& record, const voronoi::Repairs& repairs, bool multi, std::vector<std::byte>& wkb,
             WrittenVoronoi& written) {
@@ -188,10 +201,11 @@ Result<std::uint64_t> write_records(CellRecords& records, const voronoi::Repairs
 
 }  // namespace
 
-Result<WrittenVoronoi> write_voronoi(const fs::path& out, const fs::path& target, const VoronoiOptions& options,
+Result<WrittenVoronoi> write_voronoi(const fs::path& out, const fs::path& target, const VoronoiOptions& asked,
                                      std::stop_token stop) {
-  BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
-  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRYV(exports::check_free(target, asked.overwrite));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out, Periods::known));
+  BOOST_OUTCOME_TRY(options, suited_to(source, asked));
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(check_result(out, manifest, options));
   const bool flat = manifest.dimension == 2;

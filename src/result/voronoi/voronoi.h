@@ -21,7 +21,8 @@ namespace tessera {
 enum class VoronoiClip : std::uint8_t { automatic, none, hull, box, file };
 
 struct VoronoiOptions {
-  // automatic: the convex hull of the points for a 2D result; none for a 3D one. A 3D result knows `none` and `box`.
+  // automatic: the convex hull of the points for a 2D result; none for a 3D one, and for a periodic one. A 3D result
+  // knows `none` and `box`, a periodic one `none`: it has the whole cells of the points in the box.
   // Without a limit, unbounded cells have no shape.
   VoronoiClip clip = VoronoiClip::automatic;
   Bounds box = {};                            // for `box`; in 2D without heights
