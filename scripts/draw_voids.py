@@ -2,7 +2,7 @@
 """Draws docs/voids.png: a slice of a periodic snapshot. Each place has the colour of the zone of the nearest particle;
 darker places have a lower density, and white lines are the borders of the voids that stand out.
 
-    scripts/draw_voids.py TESSERA SNAPSHOT docs/voids.png
+    scripts/draw_voids.py TESSERA SNAPSHOT PERIOD docs/voids.png
 """
 import csv
 import json
@@ -18,10 +18,10 @@ from scipy.spatial import cKDTree
 SIDE = 900  # pixels
 
 
-def particles(tessera, snapshot, folder):
-    """The side of the box, and of each particle: place, Voronoi volume, zone; the rows of the voids."""
+def particles(tessera, snapshot, period, folder):
+    """Of each particle: place, Voronoi volume, zone; the rows of the voids."""
     out = folder / "box"
-    subprocess.run([tessera, "triangulate", snapshot, "-o", out, "--periodic", "file", "--tiles", "1", "--quiet"], check=True)
+    subprocess.run([tessera, "triangulate", snapshot, "-o", out, "--periodic", period, "--tiles", "1", "--quiet"], check=True)
     subprocess.run([tessera, "voids", out, "-o", folder / "voids.csv", "--quiet"], check=True)
     sys.path.append(str(pathlib.Path(__file__).parent.parent / "tests/store"))
     from tile_arrays import read_tile
@@ -32,7 +32,7 @@ def particles(tessera, snapshot, folder):
     ids, volume, zone = (tile[name][own] for name in names)
     with open(folder / "voids.csv", newline="") as file:
         rows = {int(row["zone"]): row for row in csv.DictReader(file)}
-    return volume.sum() ** (1 / 3), tile["Points"][own], volume, zone, rows
+    return tile["Points"][own], volume, zone, rows
 
 
 def colours(zones):
@@ -48,10 +48,11 @@ def stands_out(rows, core):
     return core
 
 
-def main(tessera, snapshot, target):
+def main(tessera, snapshot, period, target):
     gdal.UseExceptions()
     with tempfile.TemporaryDirectory() as folder:
-        side, places, volume, zone, rows = particles(tessera, snapshot, pathlib.Path(folder))
+        places, volume, zone, rows = particles(tessera, snapshot, period, pathlib.Path(folder))
+    side = float(period)
     tree = cKDTree(places % side, boxsize=side * (1 + 1e-12))
     steps = (np.arange(SIDE) + 0.5) / SIDE * side
     x, y = np.meshgrid(steps, steps[::-1])
@@ -70,4 +71,4 @@ def main(tessera, snapshot, target):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:4])
+    main(*sys.argv[1:5])

@@ -101,6 +101,7 @@ TEST(ZoneGraph, KeepsWhatMattersOfManySaddles) {
   Cloud cloud = random_cloud(rng);
   while (cloud.zones.size() < 25) cloud = random_cloud(rng);
   ZoneGraph graph(cloud.zones);
+  graph.add(cloud.saddles);
   const auto n = cloud.zones.size();
   for (int batch = 0; batch < 60; ++batch) {  // more than it holds at once
     std::vector<Saddle> saddles;

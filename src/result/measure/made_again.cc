@@ -18,7 +18,8 @@ bool is_density(const ResultColumn& column) {
   return !column.of_cells && (column.name == density_name || column.name.starts_with(of_mass));
 }
 
-// The attribute or column that has the masses of a density; empty when each point has the mass 1.
+// The attribute or column that has the masses of a density; empty when each point has the mass 1. REQUIRES:
+// is_density().
 std::string mass_of(const ResultColumn& column) {
   return column.name == density_name ? std::string() : column.name.substr(of_mass.size());
 }
@@ -74,11 +75,12 @@ Status ColumnsAgain::add_densities(const Wanted& wanted) {
 // A column whose masses are another one came later than that.
 Result<ColumnsAgain::Origin> ColumnsAgain::origin_of(const ResultColumn& column) const {
   if (const auto place = place_in(made_, column)) return Origin{*place};
-  const auto before = std::span(columns_).first(origins_.size());
-  const auto mass = std::ranges::find_if(
-      before, [&](const ResultColumn& one) { return !one.of_cells && one.name == mass_of(column); });
-  if (is_density(column) && column.type == AttributeType::f64 && mass != before.end())
-    return Origin{0, static_cast<std::size_t>(mass - before.begin())};
+  if (is_density(column) && column.type == AttributeType::f64) {
+    const auto before = std::span(columns_).first(origins_.size());
+    const auto mass = std::ranges::find_if(
+        before, [&](const ResultColumn& one) { return !one.of_cells && one.name == mass_of(column); });
+    if (mass != before.end()) return Origin{0, static_cast<std::size_t>(mass - before.begin())};
+  }
   return error(Errc::usage, result_ + ": has the computed column '" + column.name +
                                 "', which this program does not know how to compute for other points; change the "
                                 "result as it was before this column was computed");

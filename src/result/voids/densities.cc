@@ -27,8 +27,8 @@ Result<Densities> Densities::open(const TileSource& source, const std::string& b
   for (const std::string& name : {volume, densities.name_}) {
     if (!has_column(manifest, name))
       return error(Errc::usage, source.folder().string() + ": has no column '" + name +
-                                    "' of its vertices; 'tessera measure' computes " + option("voronoi", "true") +
-                                    " and " + option("density", "true"));
+                                    "' of its vertices; the measures " + option("voronoi", "true") + " and " +
+                                    option("density", "true") + " compute such columns");
   }
   BOOST_OUTCOME_TRY(of_volume, query::find_column(source.folder(), manifest, volume));
   BOOST_OUTCOME_TRY(of_density, query::find_column(source.folder(), manifest, densities.name_));
