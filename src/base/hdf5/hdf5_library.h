@@ -16,7 +16,7 @@ namespace tessera {
 #define TESSERA_HDF5_FUNCTIONS(F) \
   F(H5Aclose) F(H5Acreate2) F(H5Aexists) F(H5Aget_space) F(H5Aget_type) F(H5Aopen) F(H5Aread) F(H5Awrite) \
   F(H5Dclose) F(H5Dcreate2) F(H5Dget_create_plist) F(H5Dget_offset) F(H5Dget_space) F(H5Dget_type) F(H5Dopen2) \
-  F(H5Dread) F(H5Eset_auto2) F(H5FDregister) F(H5Fclose) F(H5Fcreate) F(H5Fopen) F(H5Gclose) F(H5Gget_info) \
+  F(H5Dread) F(H5Eset_auto2) F(H5FDregister) F(H5Fclose) F(H5Fcreate) F(H5Fopen) F(H5Gclose) F(H5Gcreate2) F(H5Gget_info) \
   F(H5Gopen2) F(H5Lexists) F(H5Lget_info) F(H5Lget_name_by_idx) F(H5PLset_loading_state) F(H5Pclose) F(H5Pcreate) \
   F(H5Pget_chunk) F(H5Pget_driver_info) F(H5Pget_external_count) F(H5Pget_filter2) F(H5Pget_layout) \
   F(H5Pget_nfilters) F(H5Pset_alloc_time) F(H5Pset_chunk_cache) F(H5Pset_create_intermediate_group) F(H5Pset_driver) \

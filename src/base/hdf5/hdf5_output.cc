@@ -151,6 +151,13 @@ bool add_attribute(const Hdf5Library& hdf5, hid_t to, const Hdf5Attribute& attri
   return add_numbers(std::get<std::vector<std::int64_t>>(attribute.value), hdf5.H5T_NATIVE_INT64_g);
 }
 
+bool add_group(const Hdf5Library& hdf5, hid_t file, const Hdf5Group& group) {
+  const Hdf5Handle made(hdf5.H5Gcreate2(file, group.name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                        hdf5.H5Gclose);
+  return made && std::all_of(group.attributes.begin(), group.attributes.end(),
+                             [&](const auto& attribute) { return add_attribute(hdf5, made.get(), attribute); });
+}
+
 // Returns where the numbers of the table begin, or HADDR_UNDEF.
 haddr_t add_table(const Hdf5Library& hdf5, hid_t file, const Hdf5Table& table) {
   const std::vector<hsize_t> shape(table.shape.begin(), table.shape.end());
@@ -189,6 +196,8 @@ Result<std::vector<haddr_t>> describe(const fs::path& target, const Hdf5Layout& 
   if (!file) return error(Errc::internal, target.string() + ": HDF5 makes no file");
   for (const auto& attribute : layout.attributes)
     if (!add_attribute(hdf5, file.get(), attribute)) return refused("attribute like " + in_quotes(attribute.name));
+  for (const auto& group : layout.groups)
+    if (!add_group(hdf5, file.get(), group)) return refused("group like " + in_quotes(group.name));
   std::vector<haddr_t> places;
   for (const auto& table : layout.tables) {
     places.push_back(add_table(hdf5, file.get(), table));

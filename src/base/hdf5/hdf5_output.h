@@ -33,8 +33,15 @@ struct Hdf5Table {
   std::vector<Hdf5Attribute> attributes = {};
 };
 
+// A group that has attributes. The groups of tables need no such entry.
+struct Hdf5Group {
+  std::string name;
+  std::vector<Hdf5Attribute> attributes = {};
+};
+
 struct Hdf5Layout {
   std::vector<Hdf5Attribute> attributes = {};  // of the file
+  std::vector<Hdf5Group> groups = {};
   std::vector<Hdf5Table> tables = {};
 };
 
