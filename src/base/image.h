@@ -5,10 +5,13 @@
 // the number 0 there: so a number without an offset is the image that is the point, or the tile, itself.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "src/base/ids.h"
@@ -106,5 +109,15 @@ inline TileId image_of(TileId id, const PeriodOffset& o) {
 // Orders images of tiles: by tile, and images of one tile by offset. In this order a tile itself comes after its images
 // with smaller offsets.
 inline TileId rank_of(TileId id) { return {plain(id).value * image::codes + image::rank(offset_of(id))}; }
+
+// Sorts the images of a simplex, and shifts them so that the first has no offset: then all simplices that are the same
+// up to a shift are equal. The order is that of the source indices, and of images of one point that of their offsets,
+// which a shift does not change. REQUIRES: each two images are near each other.
+inline void sort_up_to_shifts(std::span<PointId> images) {
+  const auto order = [](PointId id) { return std::pair(plain(id).value, image::rank(offset_of(id))); };
+  std::sort(images.begin(), images.end(), [&](PointId a, PointId b) { return order(a) < order(b); });
+  const PeriodOffset first = offset_of(images.front());
+  for (PointId& id : images) id = image_of(id, offset_of(id) - first);
+}
 
 }  // namespace tessera

@@ -184,7 +184,7 @@ Result<ExportTarget> find_export_target(const fs::path& path, const ExportOption
 Result<Exported> export_result(const fs::path& out, const fs::path& path, const ExportOptions& options,
                                std::stop_token stop) {
   BOOST_OUTCOME_TRY(target, exports::find_free_target(path, options));
-  BOOST_OUTCOME_TRY(tiles, TileSource::open(out));
+  BOOST_OUTCOME_TRY(tiles, TileSource::open(out, Periods::known));
   const Manifest& manifest = tiles.manifest();
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
   const exports::MeshSource source{.out = out,

@@ -28,6 +28,7 @@ struct Format {
   bool vertex_layer = false;    // but there is a list of vertices with attributes, if there are any
   bool crs = false;             // stores the coordinate system
   bool attributes = false;      // stores the attributes of the vertices
+  bool vectors = false;         // attributes may have several components
   bool heights_apart = false;   // in 2D, z stays an attribute
   bool neighbors = false;       // wants CellView::neighbors
   bool edge_lengths = false;    // wants CellView::longest_edge

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/base/crs/crs.h"
+#include "src/base/image.h"
 #include "src/base/option.h"
 
 namespace tessera::exports {
@@ -22,12 +23,21 @@ constexpr std::uint64_t unused = ~std::uint64_t{0};
 
 bool is_height(const Attribute& attribute) { return attribute.name == "z" && attribute.type == AttributeType::f64; }
 
-// Finds the attributes of vertices, and the height among them.
+// Whether vertices have their offsets as an attribute. Formats without a list of vertices have them in the cells.
+bool has_offsets(const MeshSource& source) {
+  return source.format.attributes && !source.format.corners && source.tiles != nullptr && source.tiles->period().any();
+}
+constexpr std::size_t offset_bytes = 3;  // an i8 for each axis, behind the attributes
+
+// Finds the attributes of vertices, and the height among them. In a periodic result the offsets of vertices are
+// attributes, too.
 class Rows {
  public:
   explicit Rows(const MeshSource& source)
-      : attributes_(source.format.attributes && !source.manifest.schema.empty()),
-        stride_(row_bytes(source.manifest.schema)),
+      : offsets_(has_offsets(source)),
+        attributes_(source.format.attributes && (offsets_ || !source.manifest.schema.empty())),
+        stored_(row_bytes(source.manifest.schema)),
+        stride_(stored_ + (offsets_ ? offset_bytes : 0)),
         corner_(corner_of(source).value_or(Point{})) {
     if (source.manifest.dimension != 2 || !source.options.heights || source.format.heights_apart) return;
     std::size_t offset = 0;
@@ -41,9 +51,10 @@ class Rows {
   // True if the format uses rows.
   bool wanted() const { return attributes_ || heights(); }
 
-  // Sets the z of a tile's points to their heights. The tile was read with rows if they are wanted. Error usage when a
-  // height is not finite.
+  // Adds the offsets to a tile's rows, and sets the z of its points to their heights. The tile was read with rows if
+  // they are wanted. Error usage when a height is not finite.
   Status lift(const MeshSource& source, StoredTile& tile) const {
+    if (offsets_) widen(tile);
     if (!height_at_) return success();
     for (std::size_t i = 0; i < tile.mesh.points.size(); ++i) {
       double z = 0;
@@ -64,8 +75,20 @@ class Rows {
   }
 
  private:
-  bool attributes_;
-  std::size_t stride_;
+  void widen(StoredTile& tile) const {
+    std::vector<std::byte> rows(tile.mesh.points.size() * stride_);
+    for (std::size_t i = 0; i < tile.mesh.points.size(); ++i) {
+      std::byte* row = rows.data() + i * stride_;
+      std::copy_n(tile.rows.data() + i * stored_, stored_, row);
+      const PeriodOffset offset = image::offset(tile.mesh.offsets.empty() ? 0 : tile.mesh.offsets[i]);
+      for (std::size_t axis = 0; axis < offset_bytes; ++axis)
+        row[stored_ + axis] = static_cast<std::byte>(static_cast<std::int8_t>(offset.by[axis]));
+    }
+    tile.rows.swap(rows);
+  }
+
+  bool offsets_, attributes_;
+  std::size_t stored_, stride_;
   Point corner_;
   std::optional<std::size_t> height_at_;
 };
@@ -81,6 +104,13 @@ std::vector<Column> columns_of(const MeshSource& source) {
       columns.push_back({attribute.name, attribute.type, offset});
     offset += size_of(attribute.type);
   }
+  if (!has_offsets(source)) return columns;
+  if (source.format.vectors) {
+    columns.push_back({"period_offset", AttributeType::i8, offset, static_cast<int>(offset_bytes)});
+    return columns;
+  }
+  for (const char* axis : {"x", "y", "z"})
+    columns.push_back({std::string("period_offset_") + axis, AttributeType::i8, offset++});
   return columns;
 }
 
@@ -118,29 +148,45 @@ struct Corners {
   const Rows& rows;
 };
 
-// Values of cells in addition to the result's columns: ExportOptions::longest_edges. Formats with edge_lengths write
+// Values of cells in addition to the result's columns: ExportOptions::longest_edges, and in a periodic result the
+// offsets of the corners, for formats without a list of vertices. Formats with edge_lengths write
 // the longest edge by themselves.
 class Facts {
  public:
   explicit Facts(const MeshSource& source)
       : edge_(source.options.longest_edges && source.format.cell_columns && !source.format.edge_lengths),
-        tile_(source.options.longest_edges && source.format.cell_columns && source.format.tile_as_column) {}
+        tile_(source.options.longest_edges && source.format.cell_columns && source.format.tile_as_column),
+        offsets_(source.format.cell_columns && source.format.corners && source.tiles != nullptr &&
+                 source.tiles->period().any()) {}
   void declare(std::vector<Attribute>& columns) const {
+    if (offsets_)  // such formats are for 2D results
+      for (const char* name :
+           {"v0_offset_x", "v0_offset_y", "v1_offset_x", "v1_offset_y", "v2_offset_x", "v2_offset_y"})
+        columns.push_back({name, AttributeType::i8});
     if (edge_) columns.push_back({"longest_edge", AttributeType::f64});
     if (tile_) columns.push_back({"tile", AttributeType::u32});
   }
   void add_to(CellView& cell) {
+    if (offsets_)
+      for (const std::int8_t& by : offset_by_) cell.values.push_back(reinterpret_cast<const std::byte*>(&by));
     if (edge_) cell.values.push_back(reinterpret_cast<const std::byte*>(&length_));
     if (tile_) cell.values.push_back(reinterpret_cast<const std::byte*>(&cell.tile));
   }
   // Looks at a cell whose vertices have their heights.
   void look_at(const TileMesh& mesh, std::size_t cell) {
     if (edge_) length_ = longest_edge_in_space(mesh, cell);
+    for (std::size_t k = 0; offsets_ && k < 3; ++k) {
+      const auto v = static_cast<std::size_t>(mesh.cells[cell * 3 + k]);
+      const PeriodOffset offset = image::offset(mesh.offsets.empty() ? 0 : mesh.offsets[v]);
+      offset_by_[2 * k] = static_cast<std::int8_t>(offset.by[0]);
+      offset_by_[2 * k + 1] = static_cast<std::int8_t>(offset.by[1]);
+    }
   }
 
  private:
-  bool edge_, tile_;
+  bool edge_, tile_, offsets_;
   double length_ = 0;
+  std::array<std::int8_t, 6> offset_by_{};  // of the three corners, along x and y
 };
 
 // Passes the exported cells of a tile to the writer. The first has the number `first`. `tile_of` returns the main tile
@@ -177,6 +223,7 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf
     for (std::size_t k = 0; k < corners; ++k) {
       const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
       cell.ids[k] = mesh.ids[v];
+      cell.images[k] = mesh.offsets.empty() ? mesh.ids[v] : image_of(mesh.ids[v], image::offset(mesh.offsets[v]));
       cell.own += is_own(v, cell.tile) ? 1 : 0;
       if (source.format.corners || source.format.edge_lengths) cell.at[k] = mesh.points[v];
       if (source.format.corners) {
@@ -213,7 +260,7 @@ Status give_vertices(const MeshSource& source, Selection& selection, const Rows&
     BOOST_OUTCOME_TRYV(watch.look());
     BOOST_OUTCOME_TRY(tile, read(index));
     BOOST_OUTCOME_TRYV(rows.lift(source, tile));
-    const auto exported = selection.numbers.exported_own(tile.mesh);
+    const auto exported = selection.numbers.exported_with(tile.mesh, index);
     selection.numbers.number_own(tile.mesh, exported);
     for (std::size_t i = 0; i < exported.size(); ++i) {
       if (exported[i] == 0) continue;

@@ -21,6 +21,8 @@ struct Column {
   std::string name;
   AttributeType type = AttributeType::f64;
   std::size_t offset = 0;  // in VertexView::row
+  int components = 1;      // 3 only for formats with vectors: values that follow each other
+  std::size_t bytes() const { return size_of(type) * static_cast<std::size_t>(components); }
 };
 
 // The number of vertices and cells of a tile in a file.
@@ -63,6 +65,7 @@ struct CellView {
   TileId tile;
   int own = 0;                             // how many of its vertices its tile owns
   std::array<PointId, 4> ids{};            // source indices
+  std::array<PointId, 4> images{};         // the same with the codes of offsets (src/base/image.h)
   std::array<std::uint64_t, 4> numbers{};  // of the vertices, in the order they came; formats with a vertex list
   std::array<Point, 4> at{};               // with heights; for formats without a list, and for those that want edges
   std::array<const std::byte*, 4> rows{};  // as VertexView::row; for formats without a list

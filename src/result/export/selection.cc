@@ -54,10 +54,21 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
                                     " cells, but its list of tiles counts " + std::to_string(vertices) + " and " +
                                     std::to_string(main_cells));
   if (numbers_wanted || source.filter.active()) {
-    BOOST_OUTCOME_TRY(numbers, VertexNumbers::prepare(*source.tiles, source.filter, source.stop));
+    BOOST_OUTCOME_TRY(numbers,
+                      VertexNumbers::prepare(*source.tiles, source.filter, !source.format.corners, source.stop));
     selection.numbers = std::move(numbers);
   }
-  if (!source.filter.active()) return selection;
+  const auto add_images = [&] {
+    const auto& images = selection.numbers.images_by_tile();
+    for (std::size_t index = 0; index < images.size(); ++index) {
+      selection.ranges[index].vertices += images[index];
+      selection.vertices += images[index];
+    }
+  };
+  if (!source.filter.active()) {
+    add_images();
+    return selection;
+  }
 
   LeastSizes least;
   selection.cells = 0;
@@ -86,6 +97,7 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
     selection.ranges[index].vertices = used[index];
     selection.vertices += used[index];
   }
+  add_images();
   return selection;
 }
 

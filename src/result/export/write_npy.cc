@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "src/base/image.h"
 #include "src/result/export/boundary.h"
 #include "src/result/export/formats.h"
 #include "src/result/export/output.h"
@@ -30,7 +31,8 @@ struct Array {
   Stream stream;
 };
 
-// A facet between two tiles, by the ids of its vertices.
+// A facet between two tiles, by the ids of its vertices. In a periodic result these are images, shifted so that the
+// facet has the same ids wherever it lies.
 struct OpenFacet {
   std::array<PointId, 3> ids{};
   std::uint64_t cell = 0;
@@ -56,7 +58,8 @@ class NpyWriter : public MeshWriter {
     for (const auto& column : head.columns) {
       std::string name = column.name;
       while (!taken.insert(name).second) name += '_';
-      BOOST_OUTCOME_TRYV(writer->add(name, column.type, head.vertices, 0));
+      BOOST_OUTCOME_TRYV(writer->add(name, column.type, head.vertices,
+                                     column.components > 1 ? static_cast<std::uint64_t>(column.components) : 0));
     }
     writer->first_of_cells_ = writer->arrays_.size();
     for (const auto& column : head.cell_columns) {
@@ -74,7 +77,7 @@ class NpyWriter : public MeshWriter {
     for (int axis = 0; axis < head_.dimension; ++axis) arrays_[points].stream.value(vertex.at[axis]);
     arrays_[ids].stream.value(vertex.id);
     for (std::size_t c = 0; c < head_.columns.size(); ++c)
-      arrays_[first_column() + c].stream.bytes({vertex.row + head_.columns[c].offset, size_of(head_.columns[c].type)});
+      arrays_[first_column() + c].stream.bytes({vertex.row + head_.columns[c].offset, head_.columns[c].bytes()});
   }
 
   void cell(const CellView& cell) override {
@@ -92,8 +95,8 @@ class NpyWriter : public MeshWriter {
         if (!open || !status_) continue;
         OpenFacet facet{.cell = cells_, .place = cells_ * corners + k};
         for (std::size_t i = 0, at = 0; i < corners; ++i)
-          if (i != k) facet.ids[at++] = cell.ids[i];
-        std::sort(facet.ids.begin(), facet.ids.begin() + head_.dimension);
+          if (i != k) facet.ids[at++] = cell.images[i];
+        sort_up_to_shifts(std::span(facet.ids).first(static_cast<std::size_t>(head_.dimension)));
         status_ = open_facets_.push(facet);
       }
     }

@@ -47,7 +47,7 @@ class VtuWriter : public MeshWriter {
                                  {"longest_edge", AttributeType::f64, 1, head.cells * 8},
                                  {"id", AttributeType::u64, 1, head.vertices * 8}};
     for (const auto& column : columns_)
-      arrays.push_back({column.name, column.type, 1, head.vertices * size_of(column.type)});
+      arrays.push_back({column.name, column.type, column.components, head.vertices * column.bytes()});
     for (const auto& column : cell_columns_)
       arrays.push_back({column.name, column.type, 1, head.cells * size_of(column.type)});
     if (head.final) arrays.push_back({"final", AttributeType::u8, 1, head.cells});
@@ -66,7 +66,7 @@ class VtuWriter : public MeshWriter {
     streams_[0].value(vertex.at);
     streams_[6].value(vertex.id);
     for (std::size_t c = 0; c < columns_.size(); ++c)
-      streams_[7 + c].bytes({vertex.row + columns_[c].offset, size_of(columns_[c].type)});
+      streams_[7 + c].bytes({vertex.row + columns_[c].offset, columns_[c].bytes()});
   }
   void cell(const CellView& cell) override {
     for (std::size_t k = 0; k < corners_; ++k) streams_[1].value(static_cast<std::int64_t>(cell.numbers[k]));
@@ -142,8 +142,8 @@ std::string pvtu_index(const MeshHead& head, const std::vector<std::string>& fil
       "<PUnstructuredGrid GhostLevel=\"0\">\n<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" "
       "NumberOfComponents=\"3\"/>\n</PPoints>\n<PPointData>\n<PDataArray type=\"UInt64\" Name=\"id\"/>\n";
   for (const auto& column : head.columns)
-    text +=
-        std::string("<PDataArray type=\"") + vtk_type(column.type) + "\" Name=\"" + xml_text(column.name) + "\"/>\n";
+    text += std::string("<PDataArray type=\"") + vtk_type(column.type) + "\" Name=\"" + xml_text(column.name) +
+            (column.components > 1 ? "\" NumberOfComponents=\"" + std::to_string(column.components) : "") + "\"/>\n";
   text +=
       "</PPointData>\n<PCellData>\n<PDataArray type=\"UInt32\" Name=\"tile\"/>\n"
       "<PDataArray type=\"Float64\" Name=\"longest_edge\"/>\n";
