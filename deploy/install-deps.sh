@@ -30,6 +30,7 @@ test=(
   mypy debootstrap                          # checks its types; makes systems in which the wheel is tried
   gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
   python3-h5py                              # writes snapshots
+  python3-astropy                           # reads tables of FITS
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   nginx-light                               # serves objects
   systemd python3-yaml                      # judge the unit, read the manifest
@@ -41,7 +42,8 @@ test=(
   clang-format                              # judges how sources look
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )
-nightly=(radosgw ceph-mon ceph-osd)         # a store of objects
+nightly=(radosgw ceph-mon ceph-osd           # a store of objects
+  python3-yt)                               # reads tables of points
 demo=(xvfb xauth)
 site=(mkdocs mkdocs-material python3-yaml)
 qgis=(qgis python3-qgis qgis-providers)

@@ -153,6 +153,9 @@ class TESSERA_PUBLIC ExportRequest {
   // ply, obj, off, stl: writes coordinates relative to the lower corner of the box, rounded down to whole numbers, for
   // programs that keep 32-bit floats.
   ExportRequest& local(bool local);
+  // h5, fits, table, ndnet: which attributes and computed columns of vertices are written. Empty, the default: all, for
+  // ndnet the column density.
+  ExportRequest& names(std::vector<std::string> names);
   // Replaces existing files of the same names.
   ExportRequest& overwrite(bool overwrite);
   // `progress` is called now and then with the fraction that is done, 0 to 1, in the thread that called export_to().

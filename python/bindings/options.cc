@@ -62,6 +62,7 @@ void bind_options(py::module_& module) {
       .def("local", setter(&ExportRequest::local))
       .def("max_edge", setter(&ExportRequest::max_edge))
       .def("max_radius", setter(&ExportRequest::max_radius))
+      .def("names", setter(&ExportRequest::names))
       .def("overwrite", setter(&ExportRequest::overwrite));
   py::class_<VerifyRequest>(module, "VerifyRequest")
       .def(py::init<>())

@@ -243,7 +243,8 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
         return points
 
     def export(self, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
-               index: bool = True, max_edge: float | None = None, local: bool = False, max_radius: float | None = None) -> None:
+               index: bool = True, max_edge: float | None = None, local: bool = False, max_radius: float | None = None,
+               names: typing.Sequence[str] = ()) -> None:
         """Writes the cells, each once, for other programs: t.export("mesh.ply").
 
         Parameters
@@ -252,8 +253,8 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
             A name with an ending is one file; a name without an ending is a folder with a file for each tile ("npy": a
             folder of arrays).
         format
-            "ply", "vtu", "off", "obj", "stl", "glb", "mesh", "msh", "mshb", "dxf", "landxml", "npy", "geojson", "gpkg"
-            or "csv" (docs/formats.md). None: the format of the ending of `target`.
+            "ply", "vtu", "off", "obj", "stl", "glb", "mesh", "msh", "mshb", "dxf", "landxml", "npy", "geojson",
+            "gpkg" or "csv", or of the points "h5", "fits", "table", "zobov", "zobov64" or "ndnet" (docs/formats.md). None: the format of the ending of `target`.
         heights
             2D: the attribute "z", if the points have it, becomes the third coordinate.
         overwrite
@@ -268,6 +269,9 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
             whole numbers, for programs that keep 32-bit floats. The file says in a comment where the corner is.
         max_radius
             Leaves out cells with a circumradius larger than this, like max_edge. Circumradii are compared exactly.
+        names
+            "h5", "fits", "table" and "ndnet": the attributes and columns of vertices to write. Empty: all, for "ndnet"
+            the column "density".
 
         Warns with a UserWarning of what the format could not keep. The GIL is released; Ctrl-C leaves nothing
         half-written.
@@ -282,6 +286,8 @@ class Triangulation(Answers, Surfaces, Densities, SurfaceVolumes, AlphaShapes, V
             request.max_edge(max_edge)
         if max_radius is not None:
             request.max_radius(max_radius)
+        if names:
+            request.names(list(names))
         note = self._triangulation.export_to(os.fspath(target), request)
         if note:
             warnings.warn(note, stacklevel=2)

@@ -25,7 +25,7 @@ from ._viewer import ViewerLink
 # The options of triangulate() that have another name in the service.
 FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "scans": "scan", "index": "spatial_index"}
 # Exports of two files: the ending of the other file, by the ending of the file that was asked for.
-BESIDE = {".csv": (".vrt",), ".vrt": (".csv",)}
+BESIDE = {".vol": (".adj",), ".adj": (".vol",), ".csv": (".vrt",), ".vrt": (".csv",)}
 
 class Client:
     """A client of a daemon, from connect(), which has the same arguments. All methods may be called from any thread."""
@@ -69,7 +69,7 @@ class Client:
 
     def export(self, name: str, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
                index: bool = True, max_edge: float | None = None, progress: typing.Callable[[Event], object] | None = None,
-               patience: float = PATIENCE_S, max_radius: float | None = None) -> None:
+               patience: float = PATIENCE_S, max_radius: float | None = None, names: typing.Sequence[str] = ()) -> None:
         """Lets the daemon write a result for other programs, and downloads the files. They do not stay at the daemon.
 
         Arguments, errors and warnings are those of Triangulation.export(). `progress` is called with each event of the
@@ -81,7 +81,8 @@ class Client:
         if path.exists() and not overwrite and (not into or not path.is_dir() or any(path.iterdir())):
             raise UsageError(f"{path}: exists already; overwrite=True replaces it")
         output = path.resolve().with_suffix("").name if into else path.name
-        options = {"format": format, "heights": heights, "overwrite": overwrite, "spatial_index": index, "max_edge": max_edge, "max_radius": max_radius}
+        options = {"format": format, "heights": heights, "overwrite": overwrite, "spatial_index": index, "max_edge": max_edge, "max_radius": max_radius,
+                   "names": list(names) or None}
         job = self._execute("export", {"triangulation": name, "output": output, **_fields(options)})
         job.wait(progress)
         found = job.outcome()

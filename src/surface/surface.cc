@@ -39,7 +39,9 @@ Status check_surface_options(const SurfaceOptions& options) {
 
 Result<fs::path> find_surface_target(const fs::path& target, const ExportOptions& options) {
   if (options.format != tileset_format) {
-    BOOST_OUTCOME_TRY(place, find_export_target(target, options));
+    ExportOptions of_surface = options;
+    of_surface.cells_only = true;
+    BOOST_OUTCOME_TRY(place, find_export_target(target, of_surface));
     return place.path;
   }
   BOOST_OUTCOME_TRYV(check_tileset_target(target, options.overwrite));

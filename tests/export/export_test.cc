@@ -48,12 +48,14 @@ TEST(Export, FormatsWithoutTetrahedraRefuseThemInOneSentence) {
 }
 
 TEST(Export, AnUnknownFormatIsRefusedBeforeAnythingIsRead) {
-  for (const std::string target : {"a.3ds", "a", "tiles/", "arrays.npy"}) {
+  for (const std::string target : {"a.3ds", "a", "tiles/"}) {
     const auto result = export_result("no such folder", target, {}, {});
     ASSERT_FALSE(result) << target;
     EXPECT_EQ(result.error().code, Errc::usage) << target;
   }
   EXPECT_EQ(export_result("no such folder", "a.ply", {.format = "las"}, {}).error().code, Errc::usage);
+  EXPECT_EQ(export_result("no such folder", "arrays.npy", {.format = "npy"}, {}).error().code, Errc::usage);
+  EXPECT_EQ(export_result("no such folder", "points/", {.format = "h5"}, {}).error().code, Errc::usage);
   EXPECT_EQ(export_result("no such folder", "a.ply", {}, {}).error().code, Errc::io);
 }
 

@@ -7,6 +7,7 @@ import unittest
 import numpy as np
 
 import readers
+from cli import USAGE
 from stored import ExportTest
 from tile_arrays import read_tile
 
@@ -153,6 +154,13 @@ class Exports(ExportTest):
             for ending in ("ply", "vtu", "off"):
                 made = self.export(f"mesh.{ending}").read_bytes()
                 self.assertEqual(files.setdefault(ending, made), made)
+
+
+class Refusals(ExportTest):
+    def test_a_column_of_another_export_is_refused(self):
+        self.stored(self.xyz(n=50))
+        for target in ("mesh.ply", "box.vol"):
+            self.refused(USAGE, "export", self.out, "-o", target, "--names", "mass", says="--names: works only with h5, fits, table and ndnet")
 
 
 if __name__ == "__main__":

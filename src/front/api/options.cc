@@ -192,6 +192,10 @@ ExportRequest& ExportRequest::max_radius(double length) {
   impl_->options.max_radius = length;
   return *this;
 }
+ExportRequest& ExportRequest::names(std::vector<std::string> names) {
+  impl_->options.names = std::move(names);
+  return *this;
+}
 ExportRequest& ExportRequest::overwrite(bool overwrite) {
   impl_->options.overwrite = overwrite;
   return *this;

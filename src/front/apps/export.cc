@@ -51,12 +51,14 @@ Status run_export(Settings& settings, const OneStep& made_of) {
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
   BOOST_OUTCOME_TRY(radius, settings.get("max-radius", [](const std::string& text) { return parse_distance(text); }));
   BOOST_OUTCOME_TRY(local, settings.on("local"));
+  BOOST_OUTCOME_TRY(names, settings.get("names", [](const std::string& text) { return parse_names(text); }));
   const ExportOptions options{.format = settings.text("format").value_or(""),
                               .heights = heights.value_or(true),
                               .spatial_index = index.value_or(true),
                               .max_edge = max_edge,
                               .max_radius = radius,
                               .local = local,
+                              .names = names.value_or(std::vector<std::string>()),
                               .overwrite = overwrite,
                               .progress = progress_line(output)};
 
@@ -81,6 +83,7 @@ Command add_export(CLI::App& root) {
       "  tessera export out/ -o tiles/ --format vtu      (a folder with one .vtu a tile, and a .pvtu over them)\n"
       "  tessera export ground/ -o ground.gpkg           (2D)\n"
       "  tessera export out/ -o near.vtu --max-edge 2    (without cells that bridge gaps and bays of the hull)\n"
+      "  tessera export out/ -o points.h5 --names density    (a row for each point of the input, in its order)\n"
       "  tessera export NAME -o mesh.ply --server http://127.0.0.1:7070      (a result of a daemon, to a file here)\n\n"
       "Formats:\n" +
           export_format_help());
@@ -97,6 +100,10 @@ Command add_export(CLI::App& root) {
              "ply, obj, off, stl: write coordinates relative to the lower corner of the result's box, rounded down to "
              "whole numbers; the summary tells this corner. For programs that keep only 32 bits of a coordinate, and "
              "so lose centimetres in national grids");
+  add_value(
+      command, "names", "NAMES",
+      "h5, fits, table, ndnet: which attributes and computed columns of vertices to write, by comma; default: all, "
+      "for ndnet density");
   add_switch(command, "index",
              "gpkg: leave out the spatial index; the file is written four times as fast, but maps draw it slowly", 0,
              false, true);

@@ -75,8 +75,13 @@ void print_exported(const Exported& exported, const std::string& limits, const O
   if (output.json) {
     std::printf("%s\n", to_json(exported, exported.path.string()).c_str());
   } else if (!output.quiet) {
-    say("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
-        grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());
+    if (exported.cells == 0) {  // a table of points
+      say("%s: %s points, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
+          human_bytes(exported.bytes).c_str());
+    } else {
+      say("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
+          grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());
+    }
     if (!limits.empty()) say("%s cells with %s are left out\n", grouped(exported.left_out).c_str(), limits.c_str());
     if (const auto& corner = exported.corner)
       say("coordinates count from %.0f %.0f %.0f\n", corner->x, corner->y, corner->z);

@@ -128,7 +128,7 @@ Status run_query(Settings& settings, const Asked& asked) {
     if (format != "json" && settings.source("format") == Settings::Source::flag)
       return error(Errc::usage, "--format " + format + ": a single answer is text, or JSON with --format json");
   }
-  request.cells = {.format = format, .overwrite = overwrite};
+  request.cells = {.format = format, .cells_only = true, .overwrite = overwrite};
 
   const Interrupt interrupt;
   request.ask.stop = interrupt.token();

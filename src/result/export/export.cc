@@ -194,6 +194,11 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
                                    .options = options,
                                    .filter = exports::CellFilter({options.max_edge, options.max_radius}),
                                    .stop = stop};
+  if (target.format->write != nullptr) {
+    BOOST_OUTCOME_TRY(exported, target.format->write(source, target.path));
+    exported.path = target.path;
+    return exported;
+  }
   const bool by_tile = target.folder && target.format->shape == exports::Shape::file;
   BOOST_OUTCOME_TRY(selection, exports::select(source, !by_tile && !target.format->corners));
   const auto give = [&](exports::MeshWriter& writer) { return exports::read_merged(source, selection, writer); };
@@ -225,7 +230,9 @@ Result<std::uint64_t> estimate_export(const Manifest& manifest, const fs::path& 
 Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, StoredTile& cells,
                               std::span<const TileId> tiles, const fs::path& path, const ExportOptions& options,
                               std::stop_token stop) {
-  BOOST_OUTCOME_TRY(target, exports::find_free_target(path, options));
+  ExportOptions of_cells = options;
+  of_cells.cells_only = true;
+  BOOST_OUTCOME_TRY(target, exports::find_free_target(path, of_cells));
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
   if (target.folder && target.format->shape == exports::Shape::file)
     return error(Errc::usage, path.string() + ": is a folder or has no ending, and cells go to one file: add " +

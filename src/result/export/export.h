@@ -10,6 +10,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "src/base/point.h"
 #include "src/base/result.h"
@@ -31,6 +32,11 @@ struct ExportOptions {
   // Formats that hold values of cells get one more column, "longest_edge", measured with heights. They also get the
   // tile, unless they have it anyway.
   bool longest_edges = false;
+  // Of formats of points: which attributes and computed columns of vertices are written; empty: all. Of ndnet: the
+  // first is the field, `density` without any.
+  std::vector<std::string> names = {};
+  // Cells that are no whole result are to be written, or the cells of a surface: formats of points are refused.
+  bool cells_only = false;
   std::string comment = {};                   // ply: one line of its header
   bool overwrite = false;                     // replace existing files
   std::function<void(double)> progress = {};  // called with the fraction that is done, 0..1; may be null

@@ -8,9 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "src/result/export/export.h"
 #include "src/result/export/mesh_writer.h"
 
 namespace tessera::exports {
+
+struct MeshSource;
 
 enum class Shape : std::uint8_t {
   file,    // one file for all tiles, or a folder with one file a tile
@@ -41,7 +44,11 @@ struct Format {
   // results, or for 3D.
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   const char* instead;
-  OpenedWriter (*open)(const std::filesystem::path& path, const MeshHead& head);
+  OpenedWriter (*open)(const std::filesystem::path& path, const MeshHead& head) = nullptr;
+  // Instead of `open`, for files that are no lists of vertices and cells: writes the whole result to one file, and the
+  // file beside it that `index_ending` names.
+  Result<Exported> (*write)(const MeshSource& source, const std::filesystem::path& path) = nullptr;
+  bool chooses_columns = false;  // ExportOptions::names makes sense
   // Makes the text of an index file beside `files`; or null. The index is written beside a folder's files, and beside a
   // merged file only if `index_of_one` is set.
   std::string (*index)(const MeshHead& head, const std::vector<std::string>& files) = nullptr;
@@ -66,6 +73,13 @@ OpenedWriter open_npy(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geojson(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geopackage(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_csv(const std::filesystem::path& path, const MeshHead& head);
+
+Result<Exported> write_npy_table(const MeshSource& source, const std::filesystem::path& path);
+Result<Exported> write_fits(const MeshSource& source, const std::filesystem::path& path);
+Result<Exported> write_hdf5(const MeshSource& source, const std::filesystem::path& path);
+Result<Exported> write_zobov(const MeshSource& source, const std::filesystem::path& path);
+Result<Exported> write_zobov_doubles(const MeshSource& source, const std::filesystem::path& path);
+Result<Exported> write_ndnet(const MeshSource& source, const std::filesystem::path& path);
 
 std::string pvtu_index(const MeshHead& head, const std::vector<std::string>& files);
 std::string vrt_index(const MeshHead& head, const std::vector<std::string>& files);

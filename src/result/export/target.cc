@@ -41,8 +41,13 @@ Result<Target> find_target(const fs::path& path, const std::string& name) {
     return error(Errc::usage, path.string() + ": " + target.format->name +
                                   " is a folder of arrays: give a name without an ending, and " +
                                   option("format", target.format->name));
-  // The table of a .vrt has the same name.
-  if (!target.folder && ending == target.format->ending2) target.path.replace_extension(target.format->ending);
+  if (target.format->write != nullptr && target.folder)
+    return error(Errc::usage, path.string() + ": " + target.format->name + " is one file: give a name that ends in " +
+                                  target.format->ending);
+  // The table of a .vrt has the same name, and so have the volumes of an .adj.
+  if (!target.folder && ending == target.format->ending2 &&
+      (target.format->open != nullptr || target.format->index_of_one))
+    target.path.replace_extension(target.format->ending);
   return target;
 }
 
@@ -97,6 +102,13 @@ Result<Target> find_free_target(const fs::path& path, const ExportOptions& optio
   if (options.local && !target.format->local)
     return error(Errc::usage, option("local", "true") + ": works only with ply, obj, off and stl; " +
                                   target.format->name + " keeps coordinates as they are");
+  if (target.format->write != nullptr && options.cells_only)
+    return error(Errc::usage, path.string() + ": " + target.format->name + " has all points of a result, not cells");
+  if (target.format->write != nullptr && (options.max_edge || options.max_radius))
+    return error(Errc::usage, option(options.max_edge ? "max-edge" : "max-radius") + ": leaves out cells, and " +
+                                  target.format->name + " has what belongs to all of them");
+  if (!options.names.empty() && !target.format->chooses_columns)
+    return error(Errc::usage, option("names") + ": works only with h5, fits, table and ndnet");
   return std::move(target);
 }
 

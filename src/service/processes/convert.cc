@@ -237,6 +237,7 @@ Result<ExportOptions> export_options(const proto::ExportInputs& inputs) {
     options.max_radius = radius;
   }
   options.local = inputs.local();
+  options.names = list_of(inputs.names());
   options.overwrite = inputs.overwrite();
   return options;
 }

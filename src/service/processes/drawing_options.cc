@@ -145,7 +145,8 @@ Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const
   if (options.output.format != tileset_format) {
     const std::string output = inputs.output().empty() ? surface_of_result("").filename().string() : inputs.output();
     BOOST_OUTCOME_TRYV(find_export_target(
-        output, {.format = options.output.format, .local = options.output.local, .overwrite = true}));
+        output,
+        {.format = options.output.format, .local = options.output.local, .cells_only = true, .overwrite = true}));
   }
   BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
   options.memory_bytes = own.memory_bytes;

@@ -16,8 +16,8 @@ namespace {
 
 Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs().export_();
-  if (inputs.has_heights() || inputs.has_spatial_index() || inputs.local())
-    return problem(400, "format: 3dtiles cannot be combined with heights, spatial_index or local", Errc::usage);
+  if (inputs.has_heights() || inputs.has_spatial_index() || inputs.local() || inputs.names_size() > 0)
+    return problem(400, "format: 3dtiles cannot be combined with heights, spatial_index, local or names", Errc::usage);
   TilesetOptions options{.memory_bytes = shop.share.memory_bytes, .progress = percentage(work)};
   if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
   if (inputs.has_max_radius()) options.max_radius = inputs.max_radius();

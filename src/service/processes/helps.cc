@@ -59,6 +59,10 @@ constexpr std::pair<const char*, const char*> helps[] = {
     {"local",
      "ply, obj, off, stl: write coordinates relative to the lower corner of the result's box, for programs that keep "
      "them as floats."},
+    {"names",
+     "h5, fits, table, ndnet: the attributes and computed columns of vertices that are written; default: all, for "
+     "ndnet "
+     "density."},
     {"spatial_index", "GeoPackage: also write a spatial index of the cells."},
     {"max_edge", "Leave out cells with a longer edge."},
     {"max_radius", "Leave out cells with a larger circumradius, in 2D in the plane."},

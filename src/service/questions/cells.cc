@@ -18,7 +18,7 @@ Result<QuestionAnswer> answer_cells(const OpenQuestion& asked) {
     return error(Errc::usage,
                  "f: the format npy is a folder of arrays, and an answer is a single file: ask for another format, or "
                  "run the process export");
-  const ExportOptions options{.format = format};
+  const ExportOptions options{.format = format, .cells_only = true};
   const auto target = answer_file(asked.folder, "." + format);
   BOOST_OUTCOME_TRYV(find_export_target(target, options));
   BOOST_OUTCOME_TRY(set, asked.reader.stored.cells(area, most, asked.ask));
