@@ -129,7 +129,7 @@ class Periodic(CliTest):
         self.made(self.uniform(300, 2), "--dim", "2", "--periodic", "1", "--tiles", "2")
         self.made(self.uniform(300), "--periodic", "1", "--tiles", "2", out=self.folder / "space")
         says = "holds the triangulation of a periodic cloud"
-        for command in (["query", "out", "locate", "0.5,0.5"], ["export", "out", "-o", "a.ply"], ["dem", "out", "--res", "0.1", "-o", "a.tif"],
+        for command in (["query", "out", "locate", "0.5,0.5"], ["dem", "out", "--res", "0.1", "-o", "a.tif"],
                         ["contours", "out", "--interval", "1", "-o", "a.geojson"], ["measure", "out", "--volume"],
                         ["voronoi", "out", "-o", "a.geojson"], ["alpha", "out", "--alpha", "1", "-o", "a.geojson"],
                         ["surface", "space", "-o", "a.ply"], ["update", "out", "--add", "cloud.npy"],

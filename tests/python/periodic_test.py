@@ -59,7 +59,7 @@ class Periodic(unittest.TestCase):
     def test_what_knows_no_periods_says_so(self):
         points = np.random.default_rng(3).integers(0, 64, (300, 2)) / 64
         with tessera.triangulate(points, periodic=1) as t:
-            for work in (lambda: t.locate([[0.5, 0.5]]), lambda: t.export("a.ply"), lambda: t.star(0)):
+            for work in (lambda: t.locate([[0.5, 0.5]]), lambda: t.star(0)):
                 with self.assertRaisesRegex(tessera.UsageError, "the triangulation of a periodic cloud"):
                     work()
             with self.assertRaisesRegex(tessera.UsageError, "corners of periodic cells are images"):
