@@ -41,7 +41,8 @@ test=(
   clang-format                              # judges how sources look
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )
-nightly=(radosgw ceph-mon ceph-osd)         # a store of objects
+nightly=(radosgw ceph-mon ceph-osd           # a store of objects
+  python3-yt)                               # reads tables of points
 demo=(xvfb xauth)
 site=(mkdocs mkdocs-material python3-yaml)
 qgis=(qgis python3-qgis qgis-providers)

@@ -53,7 +53,7 @@ Status check_period(const fs::path& out, const Manifest& manifest, Periods perio
   if (periods == Periods::known || !period_of(manifest).any()) return success();
   return error(Errc::usage, out.string() +
                                 ": holds the triangulation of a periodic cloud, which can be verified, measured, "
-                                "described, materialised, and read by the library, and nothing else yet");
+                                "exported, described, materialised, and read by the library, and nothing else yet");
 }
 
 }  // namespace

@@ -225,12 +225,22 @@ def voids(here):
     here.run("tessera triangulate particles.npy -o out --periodic 100 --quiet")
 
 
+def snapshot(here):
+    chance = np.random.default_rng(5)
+    with h5py.File(here.folder / "snap.hdf5", "w") as file:
+        header = file.create_group("Header").attrs
+        header["NumPart_ThisFile"] = np.array([0, 500], "u4")
+        header["BoxSize"] = 100.0
+        file["PartType1/Coordinates"] = chance.random((500, 3)) * 100
+        file["PartType1/Masses"] = chance.random(500)
+
+
 def nothing(here):
     pass
 
 
 PAGES = {
-    "alpha.md": ground_and_out, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "periodic.md": particles, "snapshots.md": surveys, "queries.md": questions,
+    "alpha.md": ground_and_out, "astronomy-outputs.md": snapshot, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "periodic.md": particles, "snapshots.md": surveys, "queries.md": questions,
     "regions.md": one_file, "surfaces.md": surfaces, "terrain.md": terrain, "track.md": ground_and_out, "updates.md": updates,
     "viewer.md": ground_and_out, "volumes.md": volumes, "voids.md": voids, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
     "instead-of-pdal.md": nothing, "instead-of-lastools.md": nothing, "instead-of-cgal.md": nothing, "instead-of-gmsh.md": nothing,

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "src/base/files/whole_file.h"
 #include "src/result/export/ndnet.h"
 #include "src/result/export/row_numbers.h"
 #include "src/result/export/zobov.h"

@@ -123,7 +123,7 @@ class Zobov(ExportTest):
         points = exact(np.random.default_rng(5).random((50, 3)))
         np.save(self.folder / "cloud.npy", points)
         self.ok("triangulate", "cloud.npy", "-o", self.out, "--quiet", "--periodic", 1)
-        self.refused(USAGE, "export", self.out, "-o", "box.vol", says=["has no volumes of Voronoi cells", "tessera measure", "--voronoi"])
+        self.refused(USAGE, "export", self.out, "-o", "box.vol", says=["has no volumes of Voronoi cells", "measuring it with --voronoi computes them"])
         self.ok("triangulate", "cloud.npy", "-o", "open", "--quiet", "--periodic", "1,1,0")
         self.refused(USAGE, "export", "open", "-o", "box.vol", says="is not periodic along all axes")
         self.assertFalse((self.folder / "box.vol").exists() or (self.folder / "box.adj").exists())
@@ -203,7 +203,9 @@ class Networks(ExportTest):
                 self.assertTrue((np.linalg.det((corners[:, 1:] - corners[:, :1])[~far]) > 0).all())
 
     def test_other_fields_and_open_axes(self):
-        points = exact(np.random.default_rng(7).random((200, 3)))
+        side = np.arange(8) / 8
+        hull = np.stack(np.meshgrid(side, [0, 1], side, indexing="ij"), -1).reshape(-1, 3)  # without slivers
+        points = exact(np.vstack([np.random.default_rng(7).random((300, 3)), hull]))
         np.save(self.folder / "cloud.npy", points)
         self.ok("triangulate", "cloud.npy", "-o", self.out, "--quiet", "--periodic", "1,0,1", "--tiles", 3)
         self.ok("measure", self.out, "--voronoi", "--density")
@@ -231,7 +233,7 @@ class Networks(ExportTest):
     def test_clouds_of_too_few_points_are_refused(self):
         for n, says in ((1, "has a cell with two images of one point"), (5, "")):
             self.made(exact(np.random.default_rng(n).random((n, 3))), 1)
-            self.refused(USAGE, "export", self.out, "-o", "few.ndnet", says=[says, "too few points for the period"])
+            self.refused(USAGE, "export", self.out, "-o", "few.ndnet", says=[says, "more points make cells shorter than a period"])
             self.assertFalse((self.folder / "few.ndnet").exists())
 
 

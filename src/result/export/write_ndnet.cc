@@ -15,6 +15,7 @@
 #include "src/base/option.h"
 #include "src/result/export/formats.h"
 #include "src/result/export/ndnet.h"
+#include "src/result/export/output.h"
 #include "src/result/export/point_table.h"
 #include "src/result/export/row_numbers.h"
 #include "src/result/store/external_sort.h"
@@ -239,7 +240,7 @@ Status sort_cells(const MeshSource& source, const TileMesh& mesh, const RowNumbe
       if (cell.vertices[k] == cell.vertices[k - 1])
         return refuse_net(source,
                           "has a cell with two images of one point, and the cells of an NDnet name points alone; "
-                          "there are too few points for the period");
+                          "more points make cells shorter than a period");
     BOOST_OUTCOME_TRYV(sorted.push(cell));
   }
   return success();
@@ -263,7 +264,7 @@ Status write_net_cells(const MeshSource& source, const fs::path& scratch, const 
     if (cell.vertices == last.vertices)
       return refuse_net(source,
                         "has two cells with images of the same points, and the cells of an NDnet name points alone; "
-                        "there are too few points for the period");
+                        "more points make cells shorter than a period");
     last = cell;
     auto vertices = cell.vertices;
     if (cell.turned != 0) std::swap(vertices[corners - 2], vertices[corners - 1]);
@@ -284,8 +285,8 @@ Result<Exported> write_ndnet_file(const MeshSource& source, const fs::path& path
   std::vector<std::string> columns = source.options.names;
   if (columns.empty()) {
     if (!column_of(manifest.schema, "density"))
-      return refuse_net(source, "has no column 'density', the field of an NDnet; 'tessera measure " +
-                                    source.out.string() + " --density' computes it, or give " + option("names"));
+      return refuse_net(source, "has no column 'density', the field of an NDnet; measuring it with " +
+                                    option("density", "true") + " computes it, or give " + option("names"));
     columns = {"density"};
   }
   BOOST_OUTCOME_TRY(table, PointTable::open(source, columns));

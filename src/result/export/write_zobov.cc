@@ -30,8 +30,8 @@ Status check_zobov(const MeshSource& source, const std::string& column, std::uin
                   "cannot say so; triangulate with " +
                       option("periodic"));
   if (!column_of(manifest.schema, column))
-    return refuse(source, "has no volumes of Voronoi cells; 'tessera measure " + source.out.string() +
-                              " --voronoi' computes them");
+    return refuse(source,
+                  "has no volumes of Voronoi cells; measuring it with " + option("voronoi", "true") + " computes them");
   return success();
 }
 
