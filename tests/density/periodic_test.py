@@ -209,14 +209,14 @@ class PeriodicGrids(DensityTest):
         values, said = self.grid("--res", "0.3333333333333")
         self.assertEqual((said["size"][0], said["widths"][0]), (3, 1 / 3))
 
-    def test_real_clouds(self):
-        for name, period, voxels in ("lcdm_gas.gadget", "file", 16),:
-            if not os.access(MORE / name, os.R_OK):
-                self.skipTest(f"{name} is not here")
-            self.ok("triangulate", MORE / name, "-o", self.out, "--overwrite", "--quiet", "--tiles", "6", "--periodic", period)
-            values, said = self.grid("--grid", voxels)
-            self.assertEqual(said["size"], [voxels] * 3)
-            self.assertAlmostEqual(values.sum() * math.prod(said["widths"]) / said["mass"], 1, delta=1e-12)
+    def test_a_real_cloud(self):
+        cloud = MORE / "lcdm_gas.gadget"
+        if not os.access(cloud, os.R_OK):
+            self.skipTest(f"{cloud} is not here")
+        self.ok("triangulate", cloud, "-o", self.out, "--quiet", "--tiles", "6", "--periodic", "50000")
+        values, said = self.grid("--grid", 16)
+        self.assertEqual((said["size"], said["mass"]), ([16] * 3, 65536))
+        self.assertAlmostEqual(values.sum() * math.prod(said["widths"]) / said["mass"], 1, delta=1e-12)
 
 
 if __name__ == "__main__":
