@@ -207,10 +207,14 @@ GridLabels labels_of(const GridRequest& request, const GridOptions& options) {
   std::replace(name.begin(), name.end(), '/', '_');
   for (std::size_t c = 0; c < request.quantity.components(); ++c)
     labels.names.push_back(name + component_suffix(options.kind, dimension, c));
-  // The units of attributes are not known.
-  if (options.kind == GridKind::density && options.mass.empty())
-    labels.unit = unit_of(request.source.manifest(), dimension);
-  if (!labels.unit.empty()) labels.unit = "1/" + labels.unit;
+  const Manifest& manifest = request.source.manifest();
+  if (options.kind == GridKind::density && options.mass.empty()) {
+    const std::string volume = unit_of(manifest, dimension);
+    if (!volume.empty()) labels.unit = "1/" + volume;
+  }
+  if (options.kind == GridKind::field)
+    for (const Attribute& attribute : manifest.schema)
+      if (attribute.name == options.names.front()) labels.unit = attribute.unit;
   return labels;
 }
 

@@ -22,6 +22,8 @@ constexpr std::size_t waiting_bytes_of_block = 16 << 10;
 std::string unit_of(const Manifest& manifest, const std::string& name) {
   for (const auto& column : manifest.columns)
     if (!column.of_cells && column.name == name) return column.unit;
+  for (const auto& attribute : manifest.schema)
+    if (attribute.name == name) return attribute.unit;
   return {};
 }
 
@@ -63,9 +65,10 @@ Status PointTable::choose(const std::vector<std::string>& names) {
   const Manifest& manifest = source_->manifest;
   add("id", AttributeType::u64, "");
   const CoordinateUnits units = coordinate_units(manifest.crs);
-  add("x", AttributeType::f64, units.horizontal);
-  add("y", AttributeType::f64, units.horizontal);
-  if (manifest.dimension == 3) add("z", AttributeType::f64, units.vertical);
+  const bool stated = units.horizontal.empty();  // then the unit is the one that the input states, if any
+  add("x", AttributeType::f64, stated ? manifest.unit : units.horizontal);
+  add("y", AttributeType::f64, stated ? manifest.unit : units.horizontal);
+  if (manifest.dimension == 3) add("z", AttributeType::f64, stated ? manifest.unit : units.vertical);
   if (!duplicates_.empty()) {
     vertex_at_ = stride_;
     add("vertex", AttributeType::u64, "");

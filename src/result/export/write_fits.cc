@@ -1,10 +1,10 @@
 // A FITS binary table of the points, in the order of the input. Source of the format: the FITS standard 4.0, sections 4
 // and 7.3 (https://fits.gsfc.nasa.gov/fits_standard.html).
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
+#include "src/base/files/fits_cards.h"
 #include "src/base/image.h"
 #include "src/base/option.h"
 #include "src/result/export/formats.h"
@@ -17,8 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t card_bytes = 80, fits_block = 2880, most_columns = 999;
-constexpr std::size_t name_bytes_most = 68;  // what a card has room for, between quotes
+constexpr std::size_t most_columns = 999;
 
 // How FITS holds a type: tables have no unsigned integers of more than 8 bits, and no signed ones of 8. Such values
 // have another sign bit and say so in TZERO.
@@ -34,75 +33,30 @@ FitsType fits_type(AttributeType type) {
   return types[static_cast<int>(type)];
 }
 
-// Lines of 80 characters.
-class Cards {
- public:
-  void add(std::string key, const std::string& value) {
-    key.resize(8, ' ');
-    const std::string text = value.size() < 20 ? std::string(20 - value.size(), ' ') + value : value;
-    line(key + "= " + text);
-  }
-  void number(const std::string& key, std::uint64_t value) { add(key, std::to_string(value)); }
-  // Texts have printable ASCII characters; others become `_`.
-  void text(std::string key, const std::string& value) {
-    std::string quoted = "'";
-    for (const char c : value.substr(0, name_bytes_most)) {
-      const bool printable = ' ' <= c && c <= '~';
-      if (quoted.size() + (c == '\'' ? 2 : 1) > name_bytes_most + 1) break;
-      quoted += printable ? c : '_';
-      if (c == '\'') quoted += c;
-    }
-    if (quoted.size() < 9) quoted.resize(9, ' ');
-    key.resize(8, ' ');
-    line(key + "= " + quoted + "'");
-  }
-  void comment(const std::string& text) { line("COMMENT " + text); }
-  // Ends the header, and fills its last block.
-  std::string end() {
-    line("END");
-    text_.resize((text_.size() + fits_block - 1) / fits_block * fits_block, ' ');
-    return std::move(text_);
-  }
-
- private:
-  void line(std::string text) {
-    text.resize(card_bytes, ' ');
-    text_ += text;
-  }
-  std::string text_;
-};
-
 std::string primary_header() {
-  Cards cards;
-  cards.add("SIMPLE", "T");
-  cards.number("BITPIX", 8);
-  cards.number("NAXIS", 0);
-  cards.add("EXTEND", "T");
+  FitsCards cards;
+  cards.flag("SIMPLE", true);
+  cards.whole("BITPIX", 8);
+  cards.whole("NAXIS", 0);
+  cards.flag("EXTEND", true);
   return cards.end();
 }
 
-std::string shortest_text(double number) {
-  std::array<char, 32> text{};
-  std::string digits(text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr);
-  std::replace(digits.begin(), digits.end(), 'e', 'E');
-  return digits.find_first_of(".E") == std::string::npos ? digits + ".0" : digits;
-}
-
 std::string table_header(const MeshSource& source, const PointTable& table) {
-  Cards cards;
+  FitsCards cards;
   cards.text("XTENSION", "BINTABLE");
-  cards.number("BITPIX", 8);
-  cards.number("NAXIS", 2);
-  cards.number("NAXIS1", table.row_bytes());
-  cards.number("NAXIS2", table.rows());
-  cards.number("PCOUNT", 0);
-  cards.number("GCOUNT", 1);
-  cards.number("TFIELDS", table.columns().size());
+  cards.whole("BITPIX", 8);
+  cards.whole("NAXIS", 2);
+  cards.whole("NAXIS1", table.row_bytes());
+  cards.whole("NAXIS2", table.rows());
+  cards.whole("PCOUNT", 0);
+  cards.whole("GCOUNT", 1);
+  cards.whole("TFIELDS", table.columns().size());
   cards.text("EXTNAME", "POINTS");
   const Period& period = source.tiles->period();
   for (int axis = 0; axis < 3; ++axis)
     if (period.along(axis))
-      cards.add(std::string("PERIOD") + "XYZ"[axis], shortest_text(period.length[static_cast<std::size_t>(axis)]));
+      cards.real("PERIOD" + std::to_string(axis + 1), period.length[static_cast<std::size_t>(axis)]);
   for (std::size_t i = 0; i < table.columns().size(); ++i) {
     const TableColumn& column = table.columns()[i];
     const std::string number = std::to_string(i + 1);
@@ -148,8 +102,7 @@ Result<Exported> write_fits(const MeshSource& source, const fs::path& path) {
     stream.bytes(turned);
     return stream.status();
   }));
-  const std::uint64_t over = stream.offset() % fits_block;
-  if (over > 0) stream.bytes(std::vector<std::byte>(fits_block - over));
+  stream.bytes(std::vector<std::byte>(fits_blocks_of(stream.offset()) - stream.offset()));
   BOOST_OUTCOME_TRYV(stream.flush());
   BOOST_OUTCOME_TRY(bytes, file.finish());
   Exported exported;
