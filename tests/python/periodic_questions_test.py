@@ -47,7 +47,7 @@ class PeriodicQuestions(unittest.TestCase):
         write(self.folder / "points.csv", points, values)
         copies, offsets = copied(points, periods)
         write(self.folder / "copies.csv", copies, np.tile(values, len(copies) // len(points)))
-        options = {"dim": points.shape[1], "overwrite": True}
+        options = {"dim": points.shape[1], "attributes": ["value"]}
         big = tessera.triangulate(self.folder / "copies.csv", **options)
         for tiles in 1, 7:
             yield big, offsets, tessera.triangulate(self.folder / "points.csv", periodic=tuple(periods), tiles=tiles, **options)
@@ -105,7 +105,7 @@ class PeriodicQuestions(unittest.TestCase):
         points = np.random.default_rng(8).integers(0, 64, (40, 2)) / 16
         write(self.folder / "points.csv", points, points[:, 0])
         out = self.folder / "out"
-        tessera.triangulate(self.folder / "points.csv", dim=2, periodic=4, out=out, tiles=3)
+        tessera.triangulate(self.folder / "points.csv", dim=2, periodic=4, attributes=["value"], folder=out, tiles=3)
 
         def run(*words):
             return subprocess.run([os.environ["TESSERA"], "query", out, *words], text=True, capture_output=True)
@@ -115,7 +115,7 @@ class PeriodicQuestions(unittest.TestCase):
         told = json.loads(run("locate", "3.999,3.999", "--json").stdout)
         self.assertEqual(len(told["vertices"]), 3)
         self.assertEqual(json.loads(run("locate", "-0.001,-0.001", "--json").stdout)["vertices"], told["vertices"])
-        for words in ("cells", "--bbox", "0,0,1,1", "-o", str(self.folder / "cells.ply")), ("interpolate", "1,1", "--value", "value", "--method", "natural"):
+        for words in ("cells", "--bbox", "0,0,1,1", "-o", str(self.folder / "cells.ply")), ("interpolate", str(self.folder / "points.csv"), "--value", "value", "--method", "natural"):
             refused = run(*words)
             self.assertEqual(refused.returncode, 2, refused)
             self.assertIn("the triangulation of a periodic cloud, which does not answer questions for", refused.stderr)

@@ -98,7 +98,7 @@ class Sentences(unittest.TestCase):
                      *inspect.signature(tessera.Triangulation.measure).parameters,
                      *(name for drawn in (tessera.Triangulation.dem, tessera.Triangulation.contours, tessera.Triangulation.profile,
                                        tessera.Triangulation.alpha_shape, tessera.Triangulation.density, tessera.Triangulation.volume,
-                                       tessera.Triangulation.voronoi, tessera.hag)
+                                       tessera.Triangulation.voronoi, tessera.Triangulation.voids, tessera.hag)
                        for name in inspect.signature(drawn).parameters),
                      *inspect.signature(tessera.region).parameters}
         for key in keys:

@@ -34,8 +34,8 @@ class Voids(unittest.TestCase):
                     continue
                 wanted = [rows[zone][key] for zone in found["zone"].tolist()]
                 self.assertEqual(found[name].tolist(), [float(value) if value else -1 for value in wanted], name)
-            here = t.voids(self.folder / "here.csv")
-            self.assertEqual((self.folder / "here.csv").read_bytes(), (self.folder / "voids.csv").read_bytes())
+            here = t.voids(self.folder / f"here{dim}.csv")
+            self.assertEqual((self.folder / f"here{dim}.csv").read_bytes(), (self.folder / "voids.csv").read_bytes())
             np.testing.assert_array_equal(here, found)
             zone = np.concatenate([tile.attributes["zone"][~tile.foreign] for tile in t])
             self.assertEqual(dict(zip(*map(np.ndarray.tolist, np.unique(zone, return_counts=True)))),
