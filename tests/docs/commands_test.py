@@ -242,7 +242,7 @@ def nothing(here):
 PAGES = {
     "alpha.md": ground_and_out, "astronomy-outputs.md": snapshot, "columns.md": ground_and_out, "density.md": gas, "formats.md": inputs, "i-have.md": inputs, "periodic.md": particles, "snapshots.md": surveys, "queries.md": questions,
     "regions.md": one_file, "surfaces.md": surfaces, "terrain.md": terrain, "track.md": ground_and_out, "updates.md": updates,
-    "viewer.md": ground_and_out, "volumes.md": volumes, "voids.md": voids, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
+    "tutorial-voids.md": nothing, "viewer.md": ground_and_out, "volumes.md": volumes, "voids.md": voids, "voronoi.md": voronoi, "instead-of-scipy.md": nothing, "instead-of-startinpy.md": places,
     "instead-of-pdal.md": nothing, "instead-of-lastools.md": nothing, "instead-of-cgal.md": nothing, "instead-of-gmsh.md": nothing,
     "instead-of-gdal-grid.md": points_of_ground,
 }
