@@ -1,9 +1,7 @@
 #include "src/result/pass.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,7 +11,6 @@
 #include "src/base/files/pass_names.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
-#include "src/base/on_threads.h"
 #include "src/geometry/mesh/tile_mesh.h"
 #include "src/result/tile_queue.h"
 
@@ -105,21 +102,16 @@ Status Pass::run(const Compute& compute, const Consumer& take) {
 }
 
 Status Pass::on_tiles(double from, double to, double tile_factor, const std::function<Status(std::size_t)>& work) {
-  std::vector<std::size_t> all(source_.tiles());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  TileQueue tiles(source_, std::move(all), options_.stop, [&](double done) {
+  const auto told = [&](double done) {
     if (options_.progress) options_.progress(from + (to - from) * done);
-  });
-  std::atomic<bool> failed{false};
-  return on_threads(tiles.threads(options_.threads, options_.memory_bytes, tile_factor, 0), failed, [&]() -> Status {
-    while (!failed) {
-      BOOST_OUTCOME_TRY(index, tiles.next());
-      if (!index) break;
-      BOOST_OUTCOME_TRYV(work(*index));
-      tiles.done();
-    }
-    return success();
-  });
+  };
+  return for_each_tile(source_,
+                       {.threads = options_.threads,
+                        .memory_bytes = options_.memory_bytes,
+                        .tile_factor = tile_factor,
+                        .stop = options_.stop,
+                        .progress = told},
+                       [&](const TileSource&, std::size_t index) { return work(index); });
 }
 
 Status Pass::put_down(std::size_t index, const StoredTile& tile, const PassValues& values) {

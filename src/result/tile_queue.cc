@@ -1,6 +1,10 @@
 #include "src/result/tile_queue.h"
 
 #include <algorithm>
+#include <atomic>
+#include <numeric>
+
+#include "src/base/on_threads.h"
 
 namespace tessera {
 
@@ -27,6 +31,23 @@ void TileQueue::done() {
   const std::lock_guard lock(mutex_);
   ++done_;
   if (progress_) progress_(static_cast<double>(done_) / static_cast<double>(tiles_.size()));
+}
+
+Status for_each_tile(const TileSource& source, const TileLoop& loop,
+                     const std::function<Status(const TileSource& source, std::size_t index)>& work) {
+  std::vector<std::size_t> all(source.tiles());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  TileQueue tiles(source, std::move(all), loop.stop, loop.progress);
+  std::atomic<bool> failed{false};
+  return on_threads(tiles.threads(loop.threads, loop.memory_bytes, loop.tile_factor, 0), failed, [&]() -> Status {
+    while (!failed) {
+      BOOST_OUTCOME_TRY(index, tiles.next());
+      if (!index) break;
+      BOOST_OUTCOME_TRYV(work(tiles.source(), *index));
+      tiles.done();
+    }
+    return success();
+  });
 }
 
 }  // namespace tessera

@@ -49,4 +49,18 @@ class TileQueue {
   std::size_t done_ = 0;
 };
 
+// How all tiles of a result are worked on.
+struct TileLoop {
+  unsigned threads = 1;
+  std::uint64_t memory_bytes = 0;  // for tiles; one tile may exceed it
+  double tile_factor = 1;          // memory that the work needs for a tile, divided by the bytes of the tile's file
+  std::stop_token stop = {};
+  // Called with the fraction that is done, 0..1, by one thread at a time; may be null.
+  std::function<void(double)> progress = {};
+};
+// Calls `work` once for each tile, by several threads. The source that it gets is stopped by `loop.stop`. Errors: those
+// of `work`; interrupted.
+Status for_each_tile(const TileSource& source, const TileLoop& loop,
+                     const std::function<Status(const TileSource& source, std::size_t index)>& work);
+
 }  // namespace tessera

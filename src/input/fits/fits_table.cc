@@ -89,7 +89,7 @@ const char* what_is(char letter) {
   }
 }
 
-// The zero that makes integers of FITS those of the other sign.
+// The TZERO of integers that FITS has no type for: unsigned ones of more than 8 bits, and signed ones of 8 bits.
 std::optional<double> zero_of_other_sign(char letter) {
   switch (letter) {
     case 'B':

@@ -1,20 +1,17 @@
 #include "src/result/alpha/alpha_shape.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <span>
 #include <utility>
 
 #include "src/base/crs/crs.h"
 #include "src/base/files/temporary.h"
 #include "src/base/json/json_text.h"
-#include "src/base/on_threads.h"
 #include "src/base/option.h"
 #include "src/result/alpha/numbered_shape.h"
 #include "src/result/alpha/optimal_radius.h"
@@ -87,21 +84,14 @@ class Making {
   Status find(double radius, Parts& parts) {
     // Neighbours, flags and, in a general shape, the edges of all cells.
     const double tile_factor = options_.general ? 4 : 2;
-    std::vector<std::size_t> all(source_.tiles());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    TileQueue tiles(source_, std::move(all), stop_,
-                    [&](double done) { tell(begin_ + (finding_part - begin_) * done); });
-    const unsigned threads = tiles.threads(options_.threads, options_.memory_bytes / 8 * 5, tile_factor, 0);
-    std::atomic<bool> failed{false};
-    return on_threads(threads, failed, [&]() -> Status {
-      while (!failed) {
-        BOOST_OUTCOME_TRY(index, tiles.next());
-        if (!index) break;
-        BOOST_OUTCOME_TRYV(find_in(*index, tiles.source(), radius, parts));
-        tiles.done();
-      }
-      return success();
-    });
+    return for_each_tile(
+        source_,
+        {.threads = options_.threads,
+         .memory_bytes = options_.memory_bytes / 8 * 5,
+         .tile_factor = tile_factor,
+         .stop = stop_,
+         .progress = [&](double done) { tell(begin_ + (finding_part - begin_) * done); }},
+        [&](const TileSource& source, std::size_t index) { return find_in(index, source, radius, parts); });
   }
 
   void tell(double done) const {

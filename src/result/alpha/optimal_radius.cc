@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -21,7 +20,6 @@
 #include <vector>
 
 #include "src/base/disjoint_sets.h"
-#include "src/base/on_threads.h"
 #include "src/base/stopped.h"
 #include "src/geometry/mesh/images.h"
 #include "src/geometry/predicates/exact/circumradius.h"
@@ -154,12 +152,11 @@ class TileRadii {
     std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.radius < b.radius; });
     return edges;
   }
+  // The same for all copies of a cell.
   CellIdSet ids_of(std::uint32_t cell) const {
     CellIdSet ids{};
-    const auto vertices = std::span(mesh_.cells).subspan(cell * corners_, corners_);
-    const PeriodOffset base = base_offset(mesh_, vertices);
-    for (std::size_t k = 0; k < corners_; ++k) ids[k] = image_of(mesh_, vertices[k], base);
-    std::sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(corners_));
+    for (std::size_t k = 0; k < corners_; ++k) ids[k] = image_of(mesh_, mesh_.cells[cell * corners_ + k], {});
+    sort_up_to_shifts(std::span(ids).first(corners_));
     return ids;
   }
 
@@ -246,22 +243,17 @@ class Pieces {
 Result<double> optimal_radius(const TileSource& source, const RadiusSearch& search) {
   // Radii, edges and changes of a tile.
   constexpr double tile_factor = 4;
-  std::vector<std::size_t> all(source.tiles());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  TileQueue tiles(source, std::move(all), search.stop, search.progress);
   Pieces pieces(search);
-  std::atomic<bool> failed{false};
-  BOOST_OUTCOME_TRYV(
-      on_threads(tiles.threads(search.threads, search.memory_bytes / 2, tile_factor, 0), failed, [&]() -> Status {
-        while (!failed) {
-          BOOST_OUTCOME_TRY(index, tiles.next());
-          if (!index) break;
-          BOOST_OUTCOME_TRY(tile, tiles.source().read(*index, {}));
-          BOOST_OUTCOME_TRYV(pieces.add(tile.mesh, source.entry(*index).tile, search.stop));
-          tiles.done();
-        }
-        return success();
-      }));
+  BOOST_OUTCOME_TRYV(for_each_tile(source,
+                                   {.threads = search.threads,
+                                    .memory_bytes = search.memory_bytes / 2,
+                                    .tile_factor = tile_factor,
+                                    .stop = search.stop,
+                                    .progress = search.progress},
+                                   [&](const TileSource& from, std::size_t index) -> Status {
+                                     BOOST_OUTCOME_TRY(tile, from.read(index, {}));
+                                     return pieces.add(tile.mesh, from.entry(index).tile, search.stop);
+                                   }));
   BOOST_OUTCOME_TRY(radius, pieces.least());
   if (!std::isfinite(radius))
     return error(Errc::bad_input,

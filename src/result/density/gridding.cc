@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "src/base/image.h"
-#include "src/base/on_threads.h"
 #include "src/base/option.h"
 #include "src/geometry/mesh/image_order.h"
 #include "src/geometry/mesh/tile_mesh.h"
@@ -165,21 +162,13 @@ Status Gridding::run_density(const std::function<void(double)>& progress) {
 }
 
 Status Gridding::run_field(const std::function<void(double)>& progress) {
-  std::vector<std::size_t> all(request_.source.tiles());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  TileQueue tiles(request_.source, std::move(all), stop_, progress);
-  constexpr double tile_factor = 1.5;
-  std::atomic<bool> failed{false};
-  const unsigned threads = tiles.threads(options_.threads, options_.memory_bytes / 4 * 3, tile_factor, 0);
-  return on_threads(threads, failed, [&]() -> Status {
-    while (!failed) {
-      BOOST_OUTCOME_TRY(index, tiles.next());
-      if (!index) break;
-      BOOST_OUTCOME_TRYV(put(*index, {}));
-      tiles.done();
-    }
-    return success();
-  });
+  return for_each_tile(request_.source,
+                       {.threads = options_.threads,
+                        .memory_bytes = options_.memory_bytes / 4 * 3,
+                        .tile_factor = 1.5,
+                        .stop = stop_,
+                        .progress = progress},
+                       [&](const TileSource&, std::size_t index) { return put(index, {}); });
 }
 
 Status Gridding::put(std::size_t index, std::span<const ScaledDouble> densities) {

@@ -117,7 +117,7 @@ Status PointTable::for_each(const fs::path& scratch,
     std::memcpy(row.data(), &id, sizeof id);
     return waiting.push(row);
   };
-  // Nothing but progress and a stop is looked at between tiles and blocks of rows.
+  // Tells of progress and looks for a stop, between tiles and blocks of rows.
   const auto look = [&](double done) -> Status {
     if (source_->stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
     if (source_->options.progress) source_->options.progress(done);

@@ -48,8 +48,8 @@ struct NetCell {
 class Blocks {
  public:
   explicit Blocks(const OutputFile& file) : file_(file) {}
-  // A block that is written later, side by side with others: its first number is written, and the last one is by
-  // finish(). `told` is what the numbers say.
+  // Begins a block whose bytes are written later, side by side with those of other blocks. Writes the number before the
+  // block; finish() writes the number after it. Both numbers are `told`.
   Stream& later(std::uint64_t bytes, std::uint64_t told) {
     Stream& stream = begin(told);
     ends_.push_back({at_ + 4 + bytes, static_cast<std::uint32_t>(told)});

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -58,7 +59,9 @@ class QueryTile {
   CellIds ids(std::int32_t cell, const PeriodOffset& base = {}) const;
   // The same for all copies of a cell, in all tiles.
   CellIds name(std::int32_t cell) const {
-    return ids(cell, base_offset(mesh(), {&mesh().cells[static_cast<std::size_t>(cell) * corners()], corners()}));
+    CellIds found = ids(cell);
+    sort_up_to_shifts(std::span(found).first(corners()));
+    return found;
   }
   // The tile in which the cell is main: the lowest that owns a vertex of it.
   TileId main_tile(std::int32_t cell) const;

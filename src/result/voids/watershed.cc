@@ -1,7 +1,6 @@
 #include "src/result/voids/watershed.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -9,7 +8,6 @@
 #include "src/base/files/disk_file.h"
 #include "src/base/files/there.h"
 #include "src/base/files/voids_names.h"
-#include "src/base/on_threads.h"
 #include "src/result/tile_queue.h"
 
 namespace tessera::voids {
@@ -59,21 +57,16 @@ Status Watershed::run(const Taker& take) {
 }
 
 Status Watershed::on_tiles(double from, double to, double tile_factor, const std::function<Status(std::size_t)>& work) {
-  std::vector<std::size_t> all(source_.tiles());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  TileQueue tiles(source_, std::move(all), options_.stop, [&](double done) {
+  const auto told = [&](double done) {
     if (options_.progress) options_.progress(from + (to - from) * done);
-  });
-  std::atomic<bool> failed{false};
-  return on_threads(tiles.threads(options_.threads, options_.memory_bytes, tile_factor, 0), failed, [&]() -> Status {
-    while (!failed) {
-      BOOST_OUTCOME_TRY(index, tiles.next());
-      if (!index) break;
-      BOOST_OUTCOME_TRYV(work(*index));
-      tiles.done();
-    }
-    return success();
-  });
+  };
+  return for_each_tile(source_,
+                       {.threads = options_.threads,
+                        .memory_bytes = options_.memory_bytes,
+                        .tile_factor = tile_factor,
+                        .stop = options_.stop,
+                        .progress = told},
+                       [&](const TileSource&, std::size_t index) { return work(index); });
 }
 
 Error Watershed::contradiction(std::size_t index, PointId vertex, const char* what) const {
